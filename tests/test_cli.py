@@ -262,6 +262,33 @@ def test_directory_that_holds_a_run_is_refused(cli: Run) -> None:
     assert Path("runs/crane/ledger.csv").read_bytes() == before
 
 
+def test_files_of_users_in_the_directory_of_a_run_stay(cli: Run) -> None:
+    """Those called like files of runs too: refused where they would be replaced, else left alone."""
+    for name in ("picture-lab.png", "energy.pdf", "movie.gif", "trajectory.pvd"):
+        Path(name).write_text("mine")
+    Path("probes.csv").write_text("mine")
+    for more in ([], ["--overwrite"]):
+        code, _, err = cli("run", "pendulum", "--until", 0.02, "--out", ".", *more)
+        assert (code, "probes.csv is there already, and is of no run" in err) == (2, True), err
+    Path("probes.csv").rename("measured.csv")
+    assert cli("run", "pendulum", "--until", 0.02, "--out", ".")[0] in (0, 1)
+    for command in (["plot", ".", "--format", "pdf"], ["export", "."]):
+        code, _, err = cli(*command)
+        assert (code, "was not made of this run" in err) == (2, True), err
+    assert cli("run", "pendulum", "--until", 0.02, "--out", ".", "--overwrite")[0] in (0, 1)
+    for name in ("picture-lab.png", "energy.pdf", "movie.gif", "trajectory.pvd", "measured.csv"):
+        assert Path(name).read_text() == "mine"
+
+
+def test_files_that_are_replaced_are_told(cli: Run) -> None:
+    assert cli("run", "pendulum", "--until", 0.02)[0] in (0, 1)
+    Path("a.html").write_text("mine")
+    for file, more in (("a.html", " (in place of the file that was there)"), ("b.html", "")):
+        assert cli("html", "runs/pendulum", "--out", file)[:2] == (0, f"{file}{more}\n")
+    for _ in range(2):  # of the run itself
+        assert cli("html", "runs/pendulum")[:2] == (0, "runs/pendulum/motion.html\n")
+
+
 def test_an_earlier_run_is_overwritten_on_request(cli: Run) -> None:
     assert cli("run", "pendulum", "--until", 0.05)[0] in (0, 1)
     Path("runs/pendulum/notes.txt").write_text("mine")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -26,6 +26,24 @@ from visviva.cli_options import (
 )
 from visviva.scene.commands import looks, shown
 
+if TYPE_CHECKING:
+    from visviva.output.directory import RunDirectory
+
+
+def aim(files: RunDirectory, out: Path | None, usual: Path, *more: Path) -> tuple[Path, bool]:
+    """What to write, and whether that replaces a file the user named; in the directory it must be of the run."""
+    from visviva.output.manifest import claim
+
+    if out is None:
+        claim(files, usual, *more)
+        return usual, False
+    return out, out.exists()
+
+
+def told(file: Path, replaces: bool) -> str:
+    """The file that was written, and whether another one had its name."""
+    return f"{file} (in place of the file that was there)" if replaces else str(file)
+
 
 def plot(
     directory: Directory,
@@ -41,9 +59,10 @@ def plot(
     from visviva.study.drawings import plot_energies, plot_probes
 
     files = RunDirectory.open(directory)
+    there = set((out or files.path).glob("*"))
     for file in (plot_energies(files, out, format), plot_probes(files, out, format)):
         if file is not None:
-            print(file)
+            print(told(file, out is not None and file in there))
 
 
 def movie(
@@ -71,7 +90,7 @@ def movie(
     from visviva.study.progress import counting_bar
 
     files = RunDirectory.open(directory)
-    target = out or files.movie
+    target, replaces = aim(files, out, files.movie)
     with counting_bar("movie") as show:
         make_movie(
             files.trajectory,
@@ -83,7 +102,7 @@ def movie(
             progress=show,
             **looks(camera, size, limits, cmap, deform, vectors, diagram),
         )
-    print(target)
+    print(told(target, replaces))
 
 
 def picture(
@@ -111,11 +130,11 @@ def picture(
     from visviva.output.picture import snapshot
 
     files = RunDirectory.open(directory)
-    target = out or files.picture
+    target, replaces = aim(files, out, files.picture)
     look = looks(camera, size, limits, cmap, deform, vectors, diagram)
     look |= {"field": shown(files.trajectory, field), "outline": outline, "transparent": transparent}
     snapshot(files.trajectory, target, time=time, **look)
-    print(target)
+    print(told(target, replaces))
 
 
 def html(
@@ -129,9 +148,10 @@ def html(
     from visviva.output.page import write_page
     from visviva.study.progress import counting_bar
 
+    replaces = out is not None and out.exists()
     with counting_bar("page") as show:
         file = write_page(directory, out, largest=int(1e6 * size), progress=show)
-    print(file)
+    print(told(file, replaces))
 
 
 def export(
@@ -149,9 +169,11 @@ def export(
 
     files = RunDirectory.open(directory)
     write, name = (write_pvd, "trajectory.pvd") if format == "pvd" else (write_blocks, "blocks.vtkhdf")
+    usual = files.path / name
+    target, replaces = aim(files, out, usual, *([usual.with_suffix("")] if format == "pvd" else []))
     with counting_bar(format) as show:
-        file = write(files.trajectory, out or files.path / name, progress=show)
-    print(file)
+        file = write(files.trajectory, target, progress=show)
+    print(told(file, replaces))
 
 
 def view(

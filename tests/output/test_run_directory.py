@@ -11,6 +11,7 @@ import pytest
 
 from visviva.base.errors import InputError
 from visviva.output import Record, RunDirectory, load_state, save_state
+from visviva.output.manifest import NAME, claim
 
 
 def test_state_is_bit_faithful(tmp_path):
@@ -78,14 +79,67 @@ def test_run_directory(tmp_path):
     assert RunDirectory.open(run.path) == run
     with pytest.raises(InputError, match=r"already holds a run \(state.h5\)"):
         RunDirectory.create(run.path)
-    for later in (
-        "picture-0.5.png",
-        "energy.pdf",
-        "blocks.vtkhdf",
-    ):  # of the run before, made by other commands
+    claim(run, run.picture_at(0.5), run.path / "energy.pdf", run.path / "trajectory")
+    claim(run, run.picture_at(0.5))  # again
+    (run.path / "trajectory").mkdir()
+    for later in ("picture-0.5.png", "energy.pdf", "trajectory/000-00001.vtu"):  # made of the run before
         (run.path / later).write_text("old")
+    for mine in USERS:
+        (run.path / mine).write_text("mine")
+    with pytest.raises(
+        InputError, match=r"movie.gif is there already, and was not made of this run: .*--out"
+    ):
+        claim(run, run.path / "movie.gif")
     RunDirectory.create(run.path, overwrite=True)
-    assert [file.name for file in run.path.iterdir()] == ["notes.txt"]
+    left = {str(file.relative_to(run.path)) for file in run.path.rglob("*") if file.is_file()}
+    assert left == {"notes.txt", NAME, *USERS}
+    assert all((run.path / mine).read_text() == "mine" for mine in USERS)
+
+
+USERS = ("picture-lab.png", "probes.svg", "movie.gif", "blocks.vtkhdf", "trajectory/other.vtu")
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_folders_without_a_run_keep_everything(tmp_path, overwrite):
+    """Files of users that are called like those of runs are never removed, and what would be replaced is refused."""
+    (tmp_path / "trajectory").mkdir()
+    for mine in USERS:
+        (tmp_path / mine).write_text("mine")
+    (tmp_path / "movie.mp4").write_text("mine")
+    with pytest.raises(InputError, match=r"movie\.mp4 is there already, and is of no run: .*choose another"):
+        RunDirectory.create(tmp_path, overwrite)
+    (tmp_path / "movie.mp4").rename(tmp_path / "film.mp4")
+    RunDirectory.create(tmp_path, overwrite)
+    assert all((tmp_path / mine).read_text() == "mine" for mine in (*USERS, "film.mp4"))
+
+
+def test_a_manifest_reaches_nothing_outside(tmp_path):
+    """Neither by going up, nor by a full path, nor through a link."""
+    run, folder = RunDirectory.create(tmp_path / "run"), tmp_path / "mine"
+    folder.mkdir()
+    (run.path / "link").symlink_to(folder)
+    names = ["../mine/a", str(folder / "b"), "link/c"]
+    for name in "abc":
+        (folder / name).write_text("mine")
+    run.write_json(run.path / NAME, {"format": "visviva files 1", "files": names})
+    RunDirectory.create(run.path, overwrite=True)
+    assert sorted(file.name for file in folder.iterdir()) == ["a", "b", "c"]
+
+
+def test_a_motion_alone_can_be_looked_at(tmp_path):
+    """Such as one that was copied from another machine."""
+    (tmp_path / "trajectory.vtkhdf").write_text("")
+    assert RunDirectory.open(tmp_path).path == tmp_path
+
+
+def test_runs_of_earlier_versions_are_overwritten(tmp_path):
+    """They have no manifest; their ledger and state tell them."""
+    for name in ("ledger.csv", "state.h5", "summary.json", "picture-lab.png"):
+        (tmp_path / name).write_text("old")
+    with pytest.raises(InputError, match=r"already holds a run \(ledger.csv\)"):
+        RunDirectory.create(tmp_path)
+    RunDirectory.create(tmp_path, overwrite=True)
+    assert {file.name for file in tmp_path.iterdir()} == {NAME, "picture-lab.png"}
 
 
 def test_run_directory_must_be_writable(tmp_path):

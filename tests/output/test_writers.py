@@ -230,7 +230,7 @@ def test_every_so_many_steps(tmp_path: Path) -> None:
 
 def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "picture.png").write_text("mine")
-    with pytest.raises(vv.InputError, match=r"already holds a run \(picture.png\)"):
+    with pytest.raises(vv.InputError, match=r"picture.png is there already, and is of no run"):
         run(study(), tmp_path, pictures=False)
     assert (tmp_path / "picture.png").read_text() == "mine"
     assert RunDirectory(tmp_path).earlier == (tmp_path / "picture.png",)

@@ -14,20 +14,8 @@ from typing import Any, Self
 from visviva.base.errors import InputError
 from visviva.output.labels import Labels
 from visviva.output.lock import locked
+from visviva.output.manifest import note, own, refuse_others, remove
 from visviva.output.safe_files import replacing, reporting
-
-SHOWN = (
-    "picture-*.png",
-    *(
-        f"{what}.{kind}"
-        for what in ("energy", "probes", "picture", "movie")
-        for kind in ("pdf", "svg", "gif")
-    ),
-    "blocks.vtkhdf",
-    "trajectory.pvd",
-    "trajectory/*.vtu",
-)
-"""What commands make of a run where no name is given."""
 
 
 @dataclass(frozen=True)
@@ -122,9 +110,9 @@ class RunDirectory:
     @property
     def earlier(self) -> tuple[Path, ...]:
         """Files of a run that got as far as its first state."""
-        if self.starting.exists() and not self.state.exists():
+        if _never_began(self):
             return ()
-        return tuple(file for file in self.files if file.exists())
+        return tuple(file for file in own(self) if file in self.files and file.exists())
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -155,7 +143,8 @@ class RunDirectory:
         Raises
         ------
         InputError
-            If the directory cannot be written, or holds a run and `overwrite` is false.
+            If the directory cannot be written, holds a run and `overwrite` is false, or files of no run that have names
+            of a run's.
         """
         run = cls(Path(path))
         _prepare(run.path)
@@ -163,9 +152,10 @@ class RunDirectory:
         if earlier and not overwrite:
             held = f"{run.path}: already holds a run ({earlier[0].name})"
             raise InputError(f"{held}; resume it, overwrite it, or choose another directory")
-        shown = (file for pattern in SHOWN for file in run.path.glob(pattern))
-        for file in (*run.files, *shown):
-            file.unlink(missing_ok=True)
+        refuse_others(run)
+        for file in own(run):
+            remove(file)
+        note(run, run.files[:8])  # what is drawn later is claimed then
         return run
 
     @classmethod
@@ -180,7 +170,7 @@ class RunDirectory:
         run = cls(Path(path))
         if not any(file.exists() for file in run.files):
             raise InputError(f"{run.path}: holds no run (no {run.trajectory.name}, no {run.state.name})")
-        if not run.earlier:
+        if _never_began(run):
             raise InputError(
                 f"{run.path}: holds a run that never saved a state; run it again, without resuming"
             )
@@ -247,6 +237,11 @@ class RunDirectory:
         if not isinstance(content, dict):
             raise InputError(f"{path}: is damaged (holds no names with values)")
         return content
+
+
+def _never_began(run: RunDirectory) -> bool:
+    """Whether a run was cut off before its first state."""
+    return run.starting.exists() and not run.state.exists()
 
 
 def _prepare(path: Path) -> None:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
+from visviva.output.manifest import claim
 from visviva.output.page_frames import Frames
 from visviva.output.pictures import COLORS, Camera
 from visviva.output.plot import grouped
@@ -113,6 +114,8 @@ def write_page(
         steps, packed = fitting(frames, room, progress)
         rest["times"] = motion.times[steps].tolist()
         text = compose(rest, packed)
+    if file is None:
+        claim(files, target)
     return Page(text).save(target)
 
 

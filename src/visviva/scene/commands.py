@@ -75,9 +75,11 @@ def as_before(
 def refuse_earlier_run(directory: Path) -> None:
     """A new run must not mix with an older one."""
     from visviva.output.directory import RunDirectory
+    from visviva.output.manifest import refuse_others
 
-    earlier = RunDirectory(directory).earlier
-    if earlier:
+    files = RunDirectory(directory)
+    refuse_others(files)
+    if earlier := files.earlier:
         raise InputError(
             f"{directory}: already holds a run ({earlier[0].name}); continue it with --resume, "
             "choose another directory with --out DIR, or delete it with --overwrite"

@@ -10,6 +10,7 @@ from typing import Any
 
 from visviva.base.errors import InputError, shortened
 from visviva.output.directory import RunDirectory
+from visviva.output.manifest import claim
 from visviva.output.trajectory import Trajectory
 from visviva.study.progress import counting_bar
 from visviva.study.study import Study
@@ -40,7 +41,7 @@ def plot_energies(files: RunDirectory, folder: Path | None = None, kind: str = "
     """Energies and the error of their balance; the file that was written."""
     from visviva.output.plot import energy_plot
 
-    file = (folder or files.path) / files.energy_plot.with_suffix(f".{kind}").name
+    file = placed(files, files.energy_plot, folder, kind)
     energy_plot(files.ledger, file, labels=files.read_labels())
     return file
 
@@ -53,8 +54,16 @@ def plot_probes(files: RunDirectory, folder: Path | None = None, kind: str = "pn
     series = read_table(files.probes)
     if len(series) < 2:
         return None
-    file = (folder or files.path) / files.probes_plot.with_suffix(f".{kind}").name
+    file = placed(files, files.probes_plot, folder, kind)
     probes_plot(series, file, labels=files.read_labels())
+    return file
+
+
+def placed(files: RunDirectory, usual: Path, folder: Path | None, kind: str) -> Path:
+    """The file in a folder, else in the directory of the run, where it must be of the run."""
+    file = (folder or files.path) / usual.with_suffix(f".{kind}").name
+    if folder is None:
+        claim(files, file)
     return file
 
 
@@ -79,10 +88,12 @@ def draw_pictures(study: Study, files: RunDirectory, complaints: list[str], *, m
         for k, (png, moment) in enumerate(due):
             show(k, len(due))
             with spared(png.name, complaints):
+                claim(files, png)
                 snapshot(files.trajectory, png, time=moment, **options)
     if study.movie and movies:
         file = files.movie if find_spec("imageio_ffmpeg") else files.movie.with_suffix(".gif")
         with spared(file.name, complaints), counting_bar("movie") as show:
+            claim(files, file)
             movie(files.trajectory, file, progress=show, **options)
 
 
