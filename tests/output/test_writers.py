@@ -233,4 +233,4 @@ def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(vv.InputError, match=r"picture.png is there already, and is of no run"):
         run(study(), tmp_path, pictures=False)
     assert (tmp_path / "picture.png").read_text() == "mine"
-    assert RunDirectory(tmp_path).earlier == (tmp_path / "picture.png",)
+    assert RunDirectory(tmp_path).earlier == ()
