@@ -126,3 +126,33 @@ def test_sides_that_no_cell_has_are_refused(tmp_path: Path) -> None:
     add_sides(file, {"fifth": ([2], [5])})
     with pytest.raises(vv.InputError, match="'fifth' has side 5 of a tet4"):
         vv.MeshFile(file).build()
+
+
+@pytest.mark.parametrize(("n_dim", "first"), [(2, 1), (3, 3)])
+@pytest.mark.parametrize("name", ["TRI", "TRI3", "triangle"])
+def test_edges_of_triangles_in_space_follow_their_faces(
+    n_dim: int, first: int, name: str, tmp_path: Path
+) -> None:
+    """In space sides 1 and 2 are both faces, edges 3 to 5 (manual of Exodus II, triangular shells)."""
+    file, corners = tmp_path / "tri.e", np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0.5]])[:, :n_dim]
+    with netCDF4.Dataset(file, "w", format="NETCDF3_64BIT_OFFSET") as f:
+        f.setncatts({"api_version": np.float32(5.1), "version": np.float32(5.1), "title": "x"})
+        f.floating_point_word_size = np.int32(8)
+        sizes = {"len_string": 33, "num_dim": n_dim, "num_nodes": 3, "num_elem": 1, "num_el_blk": 1}
+        for key, size in {**sizes, "num_el_in_blk1": 1, "num_nod_per_el1": 3}.items():
+            f.createDimension(key, size)
+        for axis, values in zip("xyz", corners.T, strict=False):
+            f.createVariable(f"coord{axis}", "f8", ("num_nodes",))[:] = values
+        numbers = f.createVariable("eb_prop1", "i4", ("num_el_blk",))
+        numbers[:] = 1
+        numbers.setncattr("name", "ID")
+        block = f.createVariable("connect1", "i4", ("num_el_in_blk1", "num_nod_per_el1"))
+        block[:] = [[1, 2, 3]]
+        block.elem_type = name
+    add_sides(file, {f"side {k}": ([1], [k]) for k in range(1, first + 3)})
+    mesh = vv.MeshFile(file).build()
+    for k in range(1, first + 3):
+        edge = [((0, 1), (1, 2), (2, 0))[k - first]] if k >= first else []
+        assert mesh.face_sets[f"side {k}"].cells.get("line2", np.zeros((0, 2))).tolist() == [
+            list(e) for e in edge
+        ]

@@ -77,11 +77,12 @@ def _add_blocks(read: Collection, file: Any) -> None:
 
 
 def _sides_of(read: Collection, name: str, cells: Ints, sides: Ints, file: Any) -> Iterator[tuple[Ints, int]]:
-    """Cells with the number of their face; of shells the first two sides are themselves, which are left out."""
-    found = np.zeros(len(cells), dtype=bool)
+    """Cells with the number of their face; sides 1, 2 of shells and triangles in space are themselves: left out."""
+    found, in_space = np.zeros(len(cells), dtype=bool), file.dimensions["num_dim"].size == 3
     for number, place, first, start in _blocks(read, file):
         kind, n = read.types[place], len(read.blocks[place])
-        is_shell = str(file.variables[f"connect{number}"].elem_type).upper().startswith("SHELL")
+        called = str(file.variables[f"connect{number}"].elem_type).upper()
+        is_shell = called.startswith("SHELL") or (in_space and kind.startswith("tri"))
         faces = (None, None) * is_shell + FACES.get(kind.rstrip("0123456789"), ())
         inside = (cells >= first) & (cells < first + n)
         found |= inside
