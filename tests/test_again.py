@@ -243,18 +243,14 @@ def test_copies_know_the_forces_of_the_last_step() -> None:
 
 
 def test_steps_without_rates_at_their_end_have_failed() -> None:
-    """A beam without mass has no rates under schemes that project them; the step was taken for converged."""
+    """What a beam without mass welds to a body has no rates under schemes that project them: no step converged."""
     section = vv.RectangleSection(width=0.1, height=0.1, young=1e6, poisson=0.3)
     beam = vv.Beam(mesh=vv.LineMesh(points=((0, 0, 0), (1, 0, 0)), count=4), section=section)
-    ball = vv.PointMass(mass=1.0, position=(0, 0, 5))
-    system = vv.System([beam, vv.Clamped(solid=beam, nodes=[0]), ball, vv.Gravity()])
-    with pytest.raises(vv.StepFailure, match="no rates satisfy the constraints"):
+    ball = vv.RigidBody(mass=1.0, inertia=(0.01, 0.01, 0.01), position=(1, 0, 0))
+    weld = vv.Rigid(a=ball, b=beam, at=(1, 0, 0))
+    system = vv.System([beam, vv.Clamped(solid=beam, nodes=[0]), ball, weld, vv.Gravity()])
+    with pytest.raises(vv.StepFailure, match=r"no rates satisfy the constraints.*or take EnergyMomentum\(\)"):
         vv.simulate(system, until=1.0, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
-    rod = vv.RigidBody(mass=1.0, inertia=(0, 0.1, 0.1), position=(1, 0, 0))
-    hinge = vv.Revolute(a=vv.Ground(), b=rod, at=(0, 0, 0), axis=(0, 1, 0))
-    system = vv.System([hinge.a, rod, hinge, vv.Gravity()])
-    with pytest.raises(vv.VisvivaError):
-        vv.simulate(system, until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
 
 
 def test_errors_of_functions_of_the_user_are_no_failures_of_steps() -> None:

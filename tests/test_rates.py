@@ -80,3 +80,50 @@ def test_what_functions_prescribe_moves_like_what_expressions_do(model, period):
     by_function = model(lambda t, X: np.outer(np.full(len(X), size * math.sin(w * t)), [1, 0, 0]), period)
     kinetic = by_text.ledger["kinetic"]
     assert by_function.ledger["kinetic"] == pytest.approx(kinetic, abs=1e-7 * kinetic.max())
+
+
+@pytest.mark.parametrize("scheme", [vv.VariationalMidpoint(), vv.GeneralizedAlpha()])
+def test_a_mass_swings_on_a_column_without(scheme: vv.Scheme) -> None:
+    """Nodes that meet no constraint and weigh nothing have rates to keep; w^2 = E A / L m, of second order."""
+    errors = []
+    force, w, t = 1e-4, 10.0, 0.2
+    for step in (0.01, 0.005):
+        rubber = vv.NeoHooke(young=100.0, poisson=0.0)
+        column = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 2)), material=rubber)
+        end = vv.RigidCoupling(solid=column, faces="z1")
+        mass = vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(0.5, 0.5, 1))
+        fixed = vv.Fixed(solid=column, nodes="z0")
+        push = vv.Force(on=mass, force=lambda t, x, v: (0, 0, -force * np.sin(5 * t)))
+        system = vv.System([column, end, mass, vv.Rigid(a=mass, b=end, at=(0.5, 0.5, 1)), fixed, push])
+        vv.simulate(system, until=t, step=step, scheme=scheme)
+        exact = force * (5 / w * np.sin(w * t) - np.sin(5 * t)) / (w**2 - 25)
+        errors.append((vv.Position(of=mass)(system)[2] - 1) / exact - 1)
+    assert abs(errors[1]) < 2e-3
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
+
+
+def test_a_beam_without_mass_follows_its_load() -> None:
+    """Under a scheme that projects rates, as under one that does not; nothing moves but what the load bends."""
+    ends = []
+    for scheme in (vv.GeneralizedAlpha(rho=0.8), vv.EnergyMomentum()):
+        section = vv.RectangleSection(width=0.1, height=0.1, young=1e6, poisson=0.3)
+        beam = vv.Beam(mesh=vv.LineMesh(points=((0, 0, 0), (1, 0, 0)), count=4), section=section)
+        end = beam.point((1, 0, 0))
+        push = vv.Force(on=end, force=lambda t, x, v: (0, 0, -10 * np.sin(5 * t)))
+        system = vv.System([beam, vv.Clamped(solid=beam, nodes=[0]), push])
+        vv.simulate(system, until=1.0, step=0.01, scheme=scheme)
+        ends.append(vv.Position(of=end)(system))
+    assert ends[0][2] > 0.3
+    assert ends[1] == pytest.approx(ends[0], abs=2e-3)
+
+
+def test_a_rod_without_inertia_about_itself_swings_on_a_hinge() -> None:
+    """Constraints tell the rates of directors that weigh nothing: they are those of a rod with next to nothing."""
+    ends = []
+    for about_itself in (0.0, 1e-9):
+        rod = vv.RigidBody(mass=1.0, inertia=(about_itself, 0.1, 0.1), position=(1, 0, 0))
+        hinge = vv.Revolute(a=vv.Ground(), b=rod, at=(0, 0, 0), axis=(0, 1, 0))
+        system = vv.System([hinge.a, rod, hinge, vv.Gravity()])
+        vv.simulate(system, until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
+        ends.append(np.concatenate([vv.Position(of=rod)(system), system.v[:12]]))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-8)

@@ -69,6 +69,18 @@ void System::evaluate_rate_matrix(const Context& c) {
             if (term->is_lasting && (can.mesh != nullptr) == on_meshes) term->tangent(seen, values_.data());
     for (auto k : rate_zero_) values_[k] = 0;
     for (auto k : rate_one_) values_[k] = 1;
+    keep_weightless();
+}
+
+// What has no mass and meets no constraint keeps its rates: its rows are zero.
+void System::keep_weightless() {
+    if (processes_) return;  // others may have the rest of a row
+    for (int i = 0; i < csr_.n; ++i) {
+        const auto begin = values_.begin() + csr_.row[i], end = values_.begin() + csr_.row[i + 1];
+        if (std::any_of(begin, end, [](double value) { return value != 0; })) continue;
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+            if (csr_.col[k] == i) values_[k] = 1;
+    }
 }
 
 // Adds a factor times the constraints, later by some time, as those see it that look at the clock themselves.

@@ -307,7 +307,9 @@ Report System::finish(Report report, const Step& step, const Signals& signals, b
     stale_begin_ = true;
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context))
-        return failed(std::move(report), "no rates satisfy the constraints at the end of the step",
+        return failed(std::move(report),
+                      "no rates satisfy the constraints at the end of the step, where what constraints alone "
+                      "hold needs mass (give it some, or take EnergyMomentum() or BDF2())",
                       rate_solver_->report().singular_unknown);
     // Functions from outside may throw in here; the accepted state is still the old one then.
     const bool path = ledger && step.balances_ends();

@@ -260,6 +260,7 @@ class System {
     Report finish(Report, const Step&, const Signals&, bool ledger);
     void analyze_rates();
     void evaluate_lasting(const Context&);
+    void keep_weightless();
     void evaluate_rate_matrix(const Context&);
     void evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change);
     std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
