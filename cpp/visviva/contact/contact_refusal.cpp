@@ -29,6 +29,8 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(A, "the surfaces pass through each other within the step,");
+    if (piercing_ && piercing_->outruns(c.vectors.x0, c.vectors.x1))
+        return refused(0, "the bodies pass by more of their width than can be followed in a step,");
     if (Piercing::Piece worst; sinks(c, worst)) {
         char deep[96];
         std::snprintf(deep, sizeof deep, "the bodies sink into each other by %.3g, unseen by gaps;",

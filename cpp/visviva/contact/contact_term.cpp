@@ -16,7 +16,7 @@ constexpr double moved = 0.03;
 }  // namespace
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
-    : TermMemory("contact", 3),
+    : TermMemory("contact", 4),
       gaps_(std::move(gaps)),
       options_(std::move(options)),
       search_(reach),
@@ -73,6 +73,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     if (rebounds()) landings_.write(m);
     if (keeps_slides()) slid_.write(m);
     if (has_history()) elastic_.write(m);
+    if (piercing_) piercing_->write(m);
 }
 
 bool ContactTerm::read_memory(const double*& m) {
@@ -85,6 +86,7 @@ bool ContactTerm::read_memory(const double*& m) {
     if (rebounds()) landings_.read(m);
     if (keeps_slides()) slid_.read(m);
     if (has_history()) elastic_.read(m);
+    if (piercing_) piercing_->read(m);
     return changed;
 }
 

@@ -11,6 +11,8 @@ namespace visviva {
 
 namespace {
 
+constexpr double most_parts = 64;  // of a step, at which bodies are looked at on their way
+
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 
@@ -109,10 +111,13 @@ bool Piercing::sinks(const double* q0, const double* q1, double seen, Piece& wor
     constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
     std::vector<double> X0, X1;
     skin_.positions(q0, X0), skin_.positions(q1, X1);
-    if (!begun_) begun_ = true, given_ = deepest(X0).depth;
-    const int parts = parts_of(X0, X1);
+    if (!begun_) {
+        each_part(X0, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
+        begun_ = true;
+    }
+    const int parts = static_cast<int>(parts_of(X0, X1));
     if (parts == 0) return false;
-    const double unseen = std::max(limit_, given_ * (1 + 1e-6)) + 2 * seen;
+    const double unseen = limit_ + 2 * seen;
     worst = deepest(X1);
     const double after = worst.depth;
     if (parts == 1 && after <= unseen) return false;
@@ -147,8 +152,7 @@ double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double
 
 // Looks on the way, so many that between them no body passes half of the least width of the other; none where
 // they stay apart.
-int Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const {
-    constexpr double most = 64;
+double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const {
     using Bounds = Eigen::AlignedBox<double, 3>;
     Bounds swept[2], ways[2];
     for (int side : {0, 1})
@@ -159,32 +163,75 @@ int Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>&
             }
     if (!swept[0].intersects(swept[1])) return 0;
     const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
-    return static_cast<int>(std::clamp(std::ceil(2 * way.norm() / least_), 1.0, most));
+    return std::max(1.0, std::ceil(2 * way.norm() / least_));
+}
+
+bool Piercing::outruns(const double* q0, const double* q1) const {
+    std::vector<double> X0, X1;
+    skin_.positions(q0, X0), skin_.positions(q1, X1);
+    return parts_of(X0, X1) > most_parts;
 }
 
 Piercing::Piece Piercing::deepest(const std::vector<double>& X) const {
-    const Piece one = deepest(X, sides_[0].edges, sides_[1].triangles),
-                two = deepest(X, sides_[1].edges, sides_[0].triangles);
-    return one.depth > two.depth ? one : two;
+    Piece found;
+    each_part(X, [&](const Part& part, double length, const Vector3& place) {
+        const double more = part.depth - given(part, length);
+        if (more > found.depth) found = {more, place};
+    });
+    return found;
 }
 
 // The ends and the middle of each part of an edge that the surface cuts off are looked at.
-Piercing::Piece Piercing::deepest(const std::vector<double>& X, const Edges& edges,
-                                  const std::vector<int>& triangles) const {
-    const Body body(X, triangles);
-    Piece found;
+template <class F>
+void Piercing::each_part(const std::vector<double>& X, F take) const {
     std::vector<double> cuts;
-    for (const auto& [a, b] : edges) {
-        const Vector3 p = At(&X[3 * a]), way = At(&X[3 * b]) - p;
-        auto look = [&](double s) {
-            const Vector3 x = p + s * way;
-            if (const double d = body.depth(x); d > found.depth) found = {d, x};
-        };
-        body.cut(p, way, cuts);
-        look(0), look(1);
-        for (std::size_t k = 1; k < cuts.size(); ++k) look(0.5 * (cuts[k - 1] + cuts[k]));
+    for (int side : {0, 1}) {
+        const Body body(X, sides_[1 - side].triangles);
+        const Edges& edges = sides_[side].edges;
+        for (int k = 0; k < static_cast<int>(edges.size()); ++k) {
+            const Vector3 p = At(&X[3 * edges[k].first]), way = At(&X[3 * edges[k].second]) - p;
+            body.cut(p, way, cuts);
+            for (std::size_t i = 1; i < cuts.size(); ++i) {
+                Part part{side, k, cuts[i - 1], cuts[i], 0};
+                Vector3 deepest = p;
+                auto look = [&](double s) {
+                    const Vector3 x = p + s * way;
+                    if (const double d = body.depth(x); d > part.depth) part.depth = d, deepest = x;
+                };
+                look(0.5 * (part.from + part.to));
+                if (i == 1) look(0);
+                if (i + 1 == cuts.size()) look(1);
+                if (part.depth > 0) take(part, way.norm(), deepest);
+            }
+        }
     }
-    return found;
+}
+
+// What bodies were given where a part lies, such as at a hinge, is no sinking; elsewhere along the edge it
+// is.
+double Piercing::given(const Part& part, double length) const {
+    double depth = 0;
+    const double beside = length > 0 ? least_ / length : 0;
+    for (const Part& g : given_)
+        if (g.side == part.side && g.edge == part.edge && g.from - beside <= part.to &&
+            part.from <= g.to + beside)
+            depth = std::max(depth, g.depth);
+    return depth;
+}
+
+void Piercing::write(std::vector<double>& memory) const {
+    memory.push_back(begun_ ? static_cast<double>(given_.size()) : -1);
+    for (const Part& g : given_)
+        for (double value : {static_cast<double>(g.side), static_cast<double>(g.edge), g.from, g.to, g.depth})
+            memory.push_back(value);
+}
+
+void Piercing::read(const double*& memory) {
+    const double n = *memory++;
+    begun_ = n >= 0, given_.clear();
+    for (double k = 0; k < n; ++k, memory += 5)
+        given_.push_back(
+            {static_cast<int>(memory[0]), static_cast<int>(memory[1]), memory[2], memory[3], memory[4]});
 }
 
 }  // namespace visviva

@@ -15,11 +15,15 @@ class Piercing {
     /// of their widths, and what cures that.
     Piercing(Skin skin, double limit, double least, std::string cure);
 
-    /// Depth of the deepest piece of an edge that lies in the other body, and where.
+    /// Depth of the deepest piece of an edge that lies in the other body, beside what it was given, and
+    /// where.
     struct Piece {
         double depth = 0;
         Eigen::Vector3d place = Eigen::Vector3d::Zero();
     };
+
+    /// Whether bodies pass by more of their least width in a step than is looked at.
+    bool outruns(const double* q0, const double* q1) const;
 
     /// Whether bodies come deeper into each other in a step than `seen`, a depth that gaps have, allows for,
     /// and than they were given: those that are in each other already, those that come in by a quarter of
@@ -28,6 +32,8 @@ class Piercing {
     bool sinks(const double* q0, const double* q1, double seen, Piece& worst);
 
     const std::string& cure() const { return cure_; }
+    void write(std::vector<double>& memory) const;
+    void read(const double*& memory);
 
   private:
     using Edges = std::vector<std::pair<int, int>>;  // of vertices
@@ -35,10 +41,17 @@ class Piercing {
         Edges edges;
         std::vector<int> triangles;  // three vertices each
     };
+    // A part of an edge of a side, in shares of its length, and how deep it is in the other body.
+    struct Part {
+        int side, edge;
+        double from, to, depth;
+    };
     Piece deepest(const std::vector<double>& X) const;
+    template <class F>
+    void each_part(const std::vector<double>& X, F take) const;
+    double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
-    int parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
-    Piece deepest(const std::vector<double>& X, const Edges& edges, const std::vector<int>& triangles) const;
+    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
     void add(int facet, Side& side) const;
 
     Skin skin_;
@@ -46,7 +59,7 @@ class Piercing {
     std::string cure_;
     Side sides_[2];
     bool begun_ = false;
-    double given_ = 0;  // depth at the start
+    std::vector<Part> given_;  // at the start
 };
 
 }  // namespace visviva

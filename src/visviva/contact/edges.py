@@ -12,7 +12,7 @@ from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.contact.contact_surface import Surface, skin
 from visviva.contact.creases import neighbours
-from visviva.contact.sinking import watched, whole_surface
+from visviva.contact.sinking import narrowest, watched, whole_surface
 from visviva.model.field import Role
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Edges:
         contact, (first, second) = self._contact, self._sides
         n = len(first.forms)
         edges = np.concatenate([self._edges[0], self._edges[1] + n]).astype(np.int32).ravel()
-        least = min(float(np.ptp(side.places, axis=0).min()) for side in self._sides)
+        least = min(narrowest(side) for side in self._sides)
         gaps = _core.edge_gaps(
             skin(first, second, sees=False), edges, len(self._edges[0]), n, AT_ONCE, DEEP * least, reach
         )

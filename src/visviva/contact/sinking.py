@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 UNSEEN = 0.01
 """Part of the least width of both bodies by which edges may be in the other one deeper than twice what gaps see."""
 
+THINNEST = 0.01
+"""Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
+
 Pairing = tuple[RigidBody, RigidBody | Obstacle]
 
 
@@ -44,8 +47,17 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         other = surface_of(second, contact.second_faces, contact.label)
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = whole_surface(contact, first), whole_surface(contact, second)
-    least = min(float(np.ptp(side.places, axis=0).min()) for side in sides)
+    least = min(narrowest(side) for side in sides)
     term.watch(skin(*sides, sees=False), UNSEEN * least, least, _cure(contact, pairing))
+
+
+def narrowest(surface: Surface) -> float:
+    """The least width of a body, however it lies: its thickness behind a facet, but for the thinnest hundredth."""
+    thick, areas = surface.sights[:, 0], surface._facet_areas()
+    order = np.argsort(thick, kind="stable")
+    most = int(np.searchsorted(np.cumsum(areas[order]), THINNEST * areas.sum()))
+    across = float(np.ptp(surface.places, axis=0).min())
+    return min(float(thick[order[min(most, len(order) - 1)]]), across) if len(order) else across
 
 
 def whole_surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
