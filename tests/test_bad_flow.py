@@ -123,6 +123,7 @@ def test_a_little_imbalance_is_taken_off_the_outflow() -> None:
         (lambda f: vv.NoSlip(fluid=f, faces="top"), "no set of faces|no set of nodes or faces"),
         (lambda f: vv.FlowField(fluid=f, field="vortex"), "vorticity"),
         (lambda f: vv.FlowField(fluid=f, at=(2, 0, 0)), r"place \[2.0, 0.0\] lies outside"),
+        (lambda f: vv.FlowField(fluid=f, at=(1e200, 0, 0)), r"place \[1e\+200, 0.0\] lies outside"),
     ],
 )
 def test_conditions_and_probes_that_do_not_fit(make: Any, message: str) -> None:

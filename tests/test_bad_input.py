@@ -263,6 +263,13 @@ ELSEWHERE: dict[str, tuple[Callable[[], Any], str]] = {
             fluid=vv.Fluid(mesh=vv.RectangleMesh(size=(4, 4), counts=(4, 4)), density=1.0, viscosity=1.0),
         ), "is on splines, which no fluid carries yet",
     ),
+    "faces near a place of the plane": (
+        lambda: CUBE.boundary().near(CUBE.points, (0, 1), within=0.1), r"Faces.near: place is 3 finite.*\(0, 1\)",
+    ),
+    "faces near no place": (lambda: CUBE.boundary().near(CUBE.points, "x0", within=0.1), "place is 3 .*not 'x0'"),
+    "faces that look nowhere": (lambda: CUBE.boundary().facing(CUBE.points, (0, 0, 0)), "has no length"),
+    "fractions in words": (lambda: vv.prony("abc", (1.0,)), "prony: fractions is a row of finite numbers"),
+    "endless times": (lambda: vv.prony((0.5,), (np.inf,)), "prony: times is a row of finite numbers"),
     "an output that cannot move": (
         lambda: vv.System([
             GROUND, b := arm(), h := vv.Revolute(a=GROUND, b=b, at=(0, 0, 0)),

@@ -156,3 +156,33 @@ def test_edges_of_triangles_in_space_follow_their_faces(
         assert mesh.face_sets[f"side {k}"].cells.get("line2", np.zeros((0, 2))).tolist() == [
             list(e) for e in edge
         ]
+
+
+@pytest.mark.parametrize(
+    ("cell", "name"),
+    [("wedge6", "WEDGE6"), ("wedge6", "WEDGE"), ("tet4", "TETRA4"), ("tet4", "TET4"), ("tet4", "tetra"),
+     ("tet10", "TET10"), ("hex20", "HEX"), ("tri3", "SHELL3"), ("tri3", "TRISHELL"), ("quad4", "SHELL")],
+)  # fmt: skip
+def test_cells_by_any_of_their_names(cell: str, name: str, tmp_path: Path) -> None:
+    """meshio knows WEDGE but not WEDGE6, and raised KeyError: 'tetra4' for TETRA4."""
+    if cell in SIDES:
+        mesh = vv.BoxMesh(size=(1, 2, 3), counts=(1, 2, 1), cell=cell).build()
+    else:
+        mesh = vv.RectangleMesh(size=(2, 3), counts=(1, 2), cell=cell).build()
+    vv.Mesh(mesh.points, mesh.cells).write(tmp_path / "mesh.e")
+    with netCDF4.Dataset(tmp_path / "mesh.e", "a") as file:
+        file.variables["connect1"].elem_type = name
+    again = vv.MeshFile(tmp_path / "mesh.e").build()
+    assert list(again.cells) == [cell]
+    assert again.volume == pytest.approx(6)
+    with netCDF4.Dataset(tmp_path / "mesh.e") as file:
+        assert file.variables["connect1"].elem_type == name  # the file is left as it was
+
+
+def test_cells_that_are_not_known(tmp_path: Path) -> None:
+    mesh = vv.BoxMesh(size=(1, 2, 3), counts=(1, 2, 1)).build()
+    vv.Mesh(mesh.points, mesh.cells).write(tmp_path / "mesh.e")
+    with netCDF4.Dataset(tmp_path / "mesh.e", "a") as file:
+        file.variables["connect1"].elem_type = "NFACED"
+    with pytest.raises(vv.InputError, match="block 1 holds cells NFACED of 8 nodes; known are HEX8"):
+        vv.MeshFile(tmp_path / "mesh.e").build()

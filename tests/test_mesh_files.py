@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -451,6 +452,17 @@ def test_orphans_of_files(tmp_path: Path) -> None:
     with pytest.raises(vv.InputError, match=r"without_orphans"):
         vv.MeshFile(tmp_path / "mesh.vtu").build().check()
     assert vv.MeshFile(tmp_path / "mesh.vtu", drop_orphans=True).build().check().nodes("n").tolist() == [7]
+
+
+@pytest.mark.parametrize("ending", [".bdf", ".e", ".xdmf"])
+def test_sets_that_a_format_loses_are_told(ending: str, tmp_path: Path) -> None:
+    mesh, file = sample("hex8"), tmp_path / f"mesh{ending}"
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", UserWarning)
+        mesh.write(file)
+    kept = all_sets(vv.MeshFile(file).build()) == all_sets(mesh)
+    assert kept == (ending == ".xdmf")
+    assert kept == (not [w for w in told if "cannot hold all sets" in str(w.message)])
 
 
 def test_what_cannot_be_written(tmp_path: Path) -> None:

@@ -362,14 +362,28 @@ def whole(whose: str, what: str, value: Any) -> int:
 
 def place(whose: str, what: str, value: Any, shape: tuple[int, ...] = (3,)) -> NDArray[np.float64]:
     """An argument as an array of finite numbers of a shape."""
-    try:
-        found = np.array(value, dtype=float)
-    except (TypeError, ValueError):  # texts, rows of several lengths
-        found = np.array(math.nan)
+    found = as_numbers(value)
     if found.shape != shape or not np.isfinite(found).all():
         wanted = "3 finite numbers" if shape == (3,) else "3 rows of 3 finite numbers"
         raise InputError(f"{whose}: {what} is {wanted}, not {value!r}")
     return found
+
+
+def vector(whose: str, what: str, value: Any, n: int | None) -> NDArray[np.float64]:
+    """An argument as a row of n finite numbers, of any length for None."""
+    found = as_numbers(value)
+    if found.ndim != 1 or n not in (None, len(found)) or not np.isfinite(found).all():
+        counted = "a row of" if n is None else n
+        raise InputError(f"{whose}: {what} is {counted} finite numbers, not {value!r}")
+    return found
+
+
+def as_numbers(value: Any) -> NDArray[np.float64]:
+    """What is given as an array, or a single not-a-number of what is none: texts, rows of several lengths."""
+    try:
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        return np.array(math.nan)
 
 
 def bounded(thing: Any, **bounds: tuple[float, float]) -> None:

@@ -123,7 +123,8 @@ class Location:
         """Cells (n,), -1 outside of all, and reference coordinates (n, d) of places (n, d)."""
         cells, xi = np.full(len(places), -1), np.full(places.shape, np.nan)
         away, near = self._tree.query(places)
-        self._try(places, np.arange(len(places)), near, cells, xi)
+        known = np.flatnonzero(np.isfinite(away))  # farther than a square of numbers can say is outside
+        self._try(places, known, near[known], cells, xi)
         lost, k = np.flatnonzero((cells < 0) & (away <= self._reach)), min(NEAREST, self.mesh.n_cells)
         if len(lost) == 0:
             return cells, xi

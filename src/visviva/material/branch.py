@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.arguments import Unchanging
+from visviva.base.arguments import Unchanging, vector
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Number
@@ -193,8 +193,8 @@ def prony(
     >>> [branch.share for branch in vv.prony((0.5, 0.25), (0.1, 10.0))]
     [2.0, 1.0]
     """
-    g, t = np.asarray(fractions, dtype=float), np.asarray(times, dtype=float)
-    if g.ndim != 1 or g.shape != t.shape:
+    g, t = vector("prony", "fractions", fractions, None), vector("prony", "times", times, None)
+    if g.shape != t.shape:
         raise InputError(f"prony: {g.size} fractions and {t.size} times; give one time for each fraction")
     if not (np.all(g > 0) and np.all(t > 0)):
         raise InputError(f"prony: fractions {g.tolist()} and times {t.tolist()} must all be positive")

@@ -1,4 +1,4 @@
-"""Names in files of Exodus II that meshio does not read: blocks of cells, sets of sides, nameless sets of nodes."""
+"""Names in files of Exodus II that meshio does not read: cells, their blocks, sets of sides, nameless sets of nodes."""
 
 from __future__ import annotations
 
@@ -20,6 +20,44 @@ FACES = {
     "tri": (0, 1, 2),
 }
 """Which face of a cell is the first, second ... side of Exodus, by the names of cells without their numbers."""
+
+
+SHAPES = {
+    "hex": ("HEX", "HEXAHEDRON"),
+    "tetra": ("TET", "TETRA"),
+    "wedge": ("WEDGE",),
+    "pyramid": ("PYRAMID",),
+    "quad": ("QUAD", "SHELL"),
+    "tri": ("TRI", "TRIANGLE", "TRISHELL"),
+    "bar": ("BAR", "BEAM", "TRUSS", "ROD", "EDGE"),
+}
+SHORT = {"TETRA4": "TETRA", "WEDGE6": "WEDGE", "PYRAMID5": "PYRAMID", "BAR3": "BEAM3"}
+"""What meshio calls cells by other names than those made of shape and number of nodes."""
+READ = ("HEX8", "HEX20", "HEX27", "TETRA4", "TETRA10", "WEDGE6", "PYRAMID5", "QUAD4", "QUAD8", "QUAD9", "TRI3",
+        "TRI6", "BAR2", "BAR3")  # fmt: skip
+
+
+def rename_cells(path: Path) -> None:
+    """Call the cells of a file as meshio does: the standard leaves open whether it is TET4, TETRA or tetra4.
+
+    Raises
+    ------
+    InputError
+        For cells that meshio does not read.
+    """
+    import netCDF4
+
+    shapes = {name: shape for shape, names in SHAPES.items() for name in names}
+    with netCDF4.Dataset(path, "a") as file:
+        for key in [key for key in file.variables if key.removeprefix("connect").isdigit()]:
+            block = file.variables[key]
+            given, n = str(block.elem_type).strip("\0 "), block.shape[1]
+            shape = shapes.get(given.upper().rstrip("0123456789"), "")
+            name = f"{'tri' if (shape, n) in (('quad', 3), ('quad', 6)) else shape}{n}".upper()
+            if name not in READ:
+                raise InputError(f"its block {key.removeprefix('connect')} holds cells {given} of {n} nodes; "
+                                 f"known are {', '.join(READ)}")  # fmt: skip
+            block.elem_type = SHORT.get(name, name)
 
 
 def with_names(read: Collection, path: Path) -> Collection:
@@ -82,7 +120,7 @@ def _sides_of(read: Collection, name: str, cells: Ints, sides: Ints, file: Any) 
     for number, place, first, start in _blocks(read, file):
         kind, n = read.types[place], len(read.blocks[place])
         called = str(file.variables[f"connect{number}"].elem_type).upper()
-        is_shell = called.startswith("SHELL") or (in_space and kind.startswith("tri"))
+        is_shell = "SHELL" in called or (in_space and kind.startswith("tri"))
         faces = (None, None) * is_shell + FACES.get(kind.rstrip("0123456789"), ())
         inside = (cells >= first) & (cells < first + n)
         found |= inside

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.base.arguments import Named
+from visviva.base.arguments import Named, number, vector
 from visviva.base.errors import InputError
 from visviva.mesh.cells import CELLS, Array, Ints
 from visviva.mesh.geometry import centres, equal_rows, normals, volumes
@@ -89,7 +89,7 @@ class Faces(metaclass=Named):
         )
 
     def near(self, points: Array, place: ArrayLike, within: float) -> Self:
-        """The faces whose centre is not farther from a place (d,) than a distance.
+        """The faces whose centre is not farther from a place (d,) than a distance; others raise an error.
 
         Examples
         --------
@@ -98,10 +98,13 @@ class Faces(metaclass=Named):
         >>> mesh.boundary().near(mesh.points, (0.5, 0.5, 1.0), within=0.1).n_faces
         1
         """
-        return self.where(np.linalg.norm(self.centres(points) - np.asarray(place, float), axis=1) <= within)
+        at = vector("Faces.near", "place", place, points.shape[1])
+        return self.where(
+            np.linalg.norm(self.centres(points) - at, axis=1) <= number("Faces.near", "within", within)
+        )
 
     def facing(self, points: Array, direction: ArrayLike, within: float = 45.0) -> Self:
-        """The faces whose outward normal is within an angle, in degrees, of a direction (d,).
+        """The faces whose outward normal is within an angle, in degrees, of a direction (d,); others raise an error.
 
         Examples
         --------
@@ -111,8 +114,12 @@ class Faces(metaclass=Named):
         >>> mesh.with_faces("top", top).faces("top").area(mesh.points)
         4.0
         """
-        towards = np.asarray(direction, float) / np.linalg.norm(direction)
-        return self.where(normals(points, self.cells) @ towards >= np.cos(np.radians(within)))
+        towards = vector("Faces.facing", "direction", direction, points.shape[1])
+        if not towards.any():
+            raise InputError(f"Faces.facing: direction = {direction!r} has no length")
+        towards /= np.abs(towards).max()
+        least = np.cos(np.radians(number("Faces.facing", "within", within)))
+        return self.where(normals(points, self.cells) @ (towards / np.linalg.norm(towards)) >= least)
 
     def renumbered(self, nodes: Ints, owners: Ints) -> Self:
         """The same faces after node i has become ``nodes[i]`` and cell j ``owners[j]``."""

@@ -348,7 +348,7 @@ class Mesh(metaclass=Named):
     def write(self, path: str | Path) -> None:
         """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp``, ``.med`` or one of meshio.
 
-        Sets are written with these, so that `MeshFile` finds them again.
+        Sets are written with these, so that `MeshFile` finds them again; others lose them, and a warning names them.
         """
         write(self, Path(path))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
@@ -197,6 +198,8 @@ def _meshio_read(path: Path) -> Any:
     try:
         with redirect_stdout(said), redirect_stderr(said), _complete(path) as file:
             return meshio.read(file, file_format=named.get(path.suffix.lower()))
+    except InputError:
+        raise
     except ModuleNotFoundError as error:
         raise InputError(
             f"meshio reads *{path.suffix} by another package: pip install {error.name}"
@@ -207,7 +210,17 @@ def _meshio_read(path: Path) -> Any:
 
 @contextmanager
 def _complete(path: Path) -> Iterator[Path]:
-    """The file; of bulk data of Nastran alone, as Gmsh writes it, a copy between the lines that meshio looks for."""
+    """The file, or a copy that meshio reads.
+
+    Of bulk data of Nastran alone, as Gmsh writes it, between the lines that meshio looks for; of Exodus with its
+    names of cells.
+    """
+    if path.suffix.lower() in EXODUS_ENDINGS:
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(shutil.copyfile(path, Path(folder) / path.name))
+            exodus.rename_cells(copy)
+            yield copy
+        return
     if path.suffix.lower() not in NASTRAN:
         yield path
         return

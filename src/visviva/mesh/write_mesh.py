@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -15,6 +16,8 @@ from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.convert import cell_numbers
 from visviva.mesh.node_orders import written_order
 from visviva.mesh.write_abaqus import write_abaqus
+
+HOLD_SETS = (".vtu", ".vtk", ".msh", ".inp", ".med", ".xdmf", ".xmf")
 
 if TYPE_CHECKING:
     from visviva.mesh.mesh import Mesh
@@ -55,6 +58,10 @@ def write(mesh: Mesh, path: Path) -> None:
         raise InputError(
             f"meshio cannot write {path} ({type(error).__name__}: {error}); .vtu, .msh, .inp and .med hold all sets"
         ) from error
+    lost = sorted({*mesh.node_sets, *mesh.face_sets, *mesh.cell_sets})
+    if lost and path.suffix.lower() not in HOLD_SETS:
+        text = f"{path} cannot hold all sets of the mesh ({', '.join(lost)}); .vtu, .msh, .inp and .med can"
+        warnings.warn(text, stacklevel=3)
 
 
 def _marked(meshio: Any, mesh: Mesh, encoded: Callable[[str], str]) -> Any:
