@@ -1,8 +1,9 @@
 """Assumed natural strains of shells: where those of a cell type are sampled, and what is made of them at its points.
 
 In-plane strains (membrane and curvature) and shear strains are sampled along directions in the cell's own coordinates:
-MITC4 (Dvorkin & Bathe 1984), MITC9 (Bucalem & Bathe 1993), MITC3 and MITC6-a (Lee & Bathe 2004); three-node triangles
-have less shear stiffness where they are larger than thick, or they would lock (Lyly, Stenberg & Vihinen 1993).
+MITC4 (Dvorkin & Bathe 1984), MITC9 (Bucalem & Bathe 1993), MITC3 and the shear of MITC6 (Lee & Bathe 2004), whose
+in-plane strains are those of Regge's elements (Neunteufel & Schoeberl 2021); three-node triangles have less shear
+stiffness where they are larger than thick, or they would lock (Lyly, Stenberg & Vihinen 1993).
 """
 
 from __future__ import annotations
@@ -204,27 +205,31 @@ def mitc6(r: float, s: float) -> Array:
     )
 
 
-def linear_plane(points: Array) -> Tying:
-    """In-plane strains along the three sides, each linear through its three points (3, 3, 2); 2 x 12 follows."""
-    sides = (R, S, ALONG)
-    samples = [
-        Sample((float(a), float(b)), (u, u)) for u, at in zip(sides, points, strict=True) for a, b in at
-    ]
-    inverse = [np.linalg.inv(np.column_stack([np.ones(3), at])) for at in points]
+def regge(sides: Sequence[Sample], inside: Rule) -> Tying:
+    """Linear in-plane strains that agree with samples along the sides, and in their means over points inside.
+
+    Strains along a side are those of its nodes alone, so that cells on both sides of it have the same ones.
+    """
+    weights = inside.weights / inside.weights.sum()
+    along = [sample.directions[0] for sample in sides]
+    pairs = ((R, R), (S, S), (R, S))
+    within = [Sample((float(a), float(b)), pair) for pair in pairs for a, b in inside.points]
+    fields = np.zeros((9, 9))  # what is fitted of 1, r, s in the components 11, 22, 2 x 12
+    for row, ((a, b), sample) in zip(fields, zip(along, sides, strict=True), strict=False):
+        row[:] = np.kron((a * a, b * b, a * b), (1.0, *sample.at))
+    centre = weights @ np.column_stack([np.ones(len(weights)), inside.points])
+    fields[6:] = np.kron(np.eye(3), centre)
+    means = np.zeros((9, len(sides) + len(within)))
+    means[:6, :6], means[6:, 6:] = np.eye(6), np.kron(np.eye(3), weights)
+    shares_of = (np.linalg.inv(fields) @ means).reshape(3, 3, -1)
 
     def shares(xi: Array) -> Array:
-        P = np.column_stack([np.ones(len(xi)), xi])
-        found = np.zeros((len(xi), 3, 9))
-        for k in range(2):
-            found[:, k, 3 * k : 3 * k + 3] = found[:, 2, 3 * k : 3 * k + 3] = P @ inverse[k]
-        found[:, 2, 6:] = -(P @ inverse[2])
-        return found
+        return np.einsum("qp,cpn->qcn", np.column_stack([np.ones(len(xi)), xi]), shares_of)
 
-    return Tying(samples, shares)
+    return Tying([*(Sample(s.at, (u, u)) for s, u in zip(sides, along, strict=True)), *within], shares)
 
 
 LOW, HIGH = 0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3)
-THIRD = 1 / np.sqrt(3)
 EDGES = (
     *(Sample((a, 0.0), (R,)) for a in (LOW, HIGH)),
     *(Sample((0.0, a), (S,)) for a in (LOW, HIGH)),
@@ -244,15 +249,7 @@ TRI3 = AssumedStrains(
 TRI6 = AssumedStrains(
     "tri6",
     rule("tri6", 5),
-    linear_plane(
-        np.array(
-            [
-                [(LOW, 0), (HIGH, 0), (LOW, THIRD)],
-                [(0, LOW), (0, HIGH), (THIRD, LOW)],
-                [(HIGH, LOW), (LOW, HIGH), (LOW, LOW)],
-            ]
-        )
-    ),
+    regge(EDGES, rule("tri3", 2)),
     fitted([*EDGES, Sample(CENTRE, (R,)), Sample(CENTRE, (S,))], mitc6),
 )
 ASSUMED = {strains.cell: strains for strains in (TRI3, TRI6, QUAD4, QUAD9)}

@@ -77,7 +77,7 @@ class Shell(DirectorBody):
     Notes
     -----
     Strains are ``(phi,a . phi,b) / 2``, ``(phi,a . d,b + phi,b . d,a) / 2`` and ``phi,a . d`` less those of the
-    reference, sampled and interpolated as `visviva.body.natural_strains` says (MITC3, MITC4, MITC6, MITC9): thin
+    reference, sampled and interpolated as `visviva.body.natural_strains` says (MITC3, MITC4, MITC9, Regge): thin
     shells do not lock in shear, those of nine nodes nor in the membrane.
     The stress across the thickness vanishes. A rotation about the director has no stiffness.
 
