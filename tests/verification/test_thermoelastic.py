@@ -255,6 +255,37 @@ def test_a_clamped_bar_warms_by_its_effective_capacity(coupling: float, cell: st
     np.testing.assert_allclose((conducts - 300) / rise, exact, atol=1e-2)
 
 
+@pytest.mark.parametrize(
+    ("coupling", "cell", "formulation", "words"),
+    [
+        (0.02, "hex8", "displacement", ()),
+        (5.0, "hex8", "displacement", ("= 5 ", "take formulation='enhanced'")),
+        (5.0, "hex20", "displacement", ()),
+        (50.0, "hex8", "enhanced", ("= 50 ", "take BDF2() or BackwardEuler()")),
+    ],
+)
+def test_strong_coupling_is_told_with_its_number(
+    coupling: float, cell: str, formulation: Any, words: tuple[str, ...]
+) -> None:
+    bar, parts = clamped_bar(coupling, 4, cell)
+    bar.formulation = formulation
+    said = vv.System([bar, *parts]).check().remarks
+    assert len(said) == bool(words)
+    assert all(word in said[0] for word in words)
+
+
+def test_the_cure_of_strong_coupling_goes_on() -> None:
+    """Where walls warm by 10 K at a coupling of 50, and the energy-momentum scheme swings until a step fails."""
+    bar, parts = clamped_bar(50.0, 10, "hex20")
+    held = [
+        vv.PrescribedTemperature(body=bar, nodes=n, value=f"300 + {side} * min(t / 0.51, 1)")
+        for n, side in (("x0", 10), ("x1", -10))
+    ]
+    system = vv.System([bar, *parts, *held])
+    vv.simulate(system, until=2.55, step=0.051, scheme=vv.BDF2())
+    assert bar.temperatures(system.x)[bar.nodes("x0")] == pytest.approx(310.0, abs=1e-9)
+
+
 @pytest.mark.parametrize("coupling", COUPLINGS[:-1])
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler()])
 def test_the_temperature_that_conducts_is_the_held_one_however_strains_couple(

@@ -146,6 +146,14 @@ class Heat(HeatLaw):
         lam, mu = material.lame
         return 3 * (lam + 2 * mu / 3) * self.expansion if self.expansion else 0.0
 
+    def coupling_number(self, material: Material, T: float) -> float:
+        """By what share expansion stiffens a bar between walls that keeps its entropy, ``T (3 K expansion)^2 / (M c)``.
+
+        M is the modulus ``lambda + 2 mu`` of the bar, c the capacity at the temperature T.
+        """
+        beta, (lam, mu) = self.coupling(material), material.lame
+        return float(T * beta**2 / ((lam + 2 * mu) * self.stores.at(np.array([T]))[0])) if beta else 0.0
+
     def parameters(self, material: Material) -> list[float]:
         own = material.constants()
         heat = [float(int(material.kind)), self.stores.c, self.reference, self.coupling(material)]

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+LOCKING, SWINGING = 1.0, 20.0
+"""Couplings of heat and strains from which on linear cells lock (``benchmarks/held_heat.py``), and steps swing."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -136,6 +138,27 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             )
         if beyond := heat.beyond_slopes(self.start_temperatures):
             raise InputError(f"{self.label}: {beyond}")
+
+    def remarks(self) -> list[str]:
+        found = super().remarks()
+        if not isinstance(self.heat, Heat):
+            return found
+        number = self.heat.coupling_number(self.body_material, float(self.start_temperatures.mean()))
+        said = (
+            f"{self.label}: heat and strains couple by T beta^2 / (M c) = {number:.2g} (beta = 3 K expansion)"
+        )
+        linear = any(CELLS[kind].n_nodes == CELLS[kind].n_corners for kind in self.grid.cells)
+        if number >= LOCKING and linear and self.formulation == "displacement":
+            found.append(
+                f"{said}, so that it hardly changes its volume without heat, and linear cells lock: take "
+                "formulation='enhanced' with hex8, or cells of second order"
+            )
+        if number >= SWINGING:
+            found.append(
+                f"{said}: where temperatures change by some per cent, steps of schemes that damp nothing swing or "
+                "fail; take BDF2() or BackwardEuler()"
+            )
+        return found
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
