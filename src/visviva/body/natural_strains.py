@@ -224,7 +224,7 @@ def regge(sides: Sequence[Sample], inside: Rule) -> Tying:
     shares_of = (np.linalg.inv(fields) @ means).reshape(3, 3, -1)
 
     def shares(xi: Array) -> Array:
-        return np.einsum("qp,cpn->qcn", np.column_stack([np.ones(len(xi)), xi]), shares_of)
+        return np.asarray(np.einsum("qp,cpn->qcn", np.column_stack([np.ones(len(xi)), xi]), shares_of))
 
     return Tying([*(Sample(s.at, (u, u)) for s, u in zip(sides, along, strict=True)), *within], shares)
 
