@@ -163,3 +163,37 @@ def test_tangents_at_random_states_of_pressed_edges(name: str, scheme: vv.Scheme
     assert contact.forces[:, 2].sum() != 0 or contact._edges.term.pressures.max() > 0
     error = K.toarray() - differences(system, step, system.free_unknowns)
     assert np.abs(error).max() < 1e-7 * np.abs(K).max()
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.3])
+@pytest.mark.parametrize(
+    "options", [{}, {"tangential": "penalty", "tangential_stiffness": 1e7}, PENALTY, PENALTY | STUCK]
+)
+def test_a_bar_across_a_tilted_one_slides_or_sticks(friction: float, options: Any) -> None:
+    """Along the lower bar, which falls off by 0.2: with g (sin a - mu cos a), or not at all."""
+    tilt, until = 0.2, 0.4
+    R = turned((0, 1, 0), tilt)
+    ground = vv.Ground()
+    lower, upper = (
+        vv.RigidBody(shape=vv.Box(size=size), density=1000.0, position=R @ place, rotation=R)
+        for size, place in (
+            ((1, 0.1, 0.1), np.zeros(3)),
+            ((0.1, 1, 0.1), np.array([-0.3, 0, 0.1])),
+        )
+    )
+    given: dict[str, Any] = options | {"friction": friction}
+    if "tangential_stiffness" in options:
+        given["tangential_stiffness"] = 1e7
+    contact = vv.Contact(first=upper, second=lower, stiffness=1e7, **given)
+    held = vv.Rigid(a=ground, b=lower, at=(0, 0, 0))
+    system = vv.System([ground, lower, upper, held, contact, vv.Gravity()])
+    vv.simulate(system, until=until, step=0.002)
+    gone = R.T @ vv.Position(of=upper)(system) - [-0.3, 0, 0.1]
+    way = max(0.5 * G * (np.sin(tilt) - friction * np.cos(tilt)) * until**2, 0.0)
+    assert gone[0] == pytest.approx(way, rel=2e-3, abs=3e-4)
+    assert np.abs(gone[1:]).max() < 1e-4
+    if "enforcement" in options:  # on whose springs it rocks
+        return
+    force = vv.ContactForce(contact=contact)(system)
+    share = min(friction, np.tan(tilt))
+    assert R.T @ force == pytest.approx(np.cos(tilt) * 10 * G * np.array([-share, 0, 1]), rel=0.02, abs=0.2)
