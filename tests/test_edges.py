@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from test_tangents import differences
 
 import visviva as vv
+from visviva.study.run import run
 
 Array = NDArray[np.float64]
 ALL = ("energy", *(f"{what}_{axis}" for what in ("momentum", "angular") for axis in "xyz"))
@@ -126,7 +128,7 @@ def test_a_bar_rests_on_another_in_statics() -> None:
 
 def test_edges_that_overlap_at_the_start_are_refused() -> None:
     parts, _, _ = bars(0.098)
-    with pytest.raises(vv.InputError, match=r"edges of .* that cross overlap by 0.002"):
+    with pytest.raises(vv.InputError, match=r"edges or corners of .* overlap by 0.002"):
         vv.simulate(vv.System(parts), until=0.1, step=0.002)
 
 
@@ -197,3 +199,94 @@ def test_a_bar_across_a_tilted_one_slides_or_sticks(friction: float, options: An
     force = vv.ContactForce(contact=contact)(system)
     share = min(friction, np.tan(tilt))
     assert R.T @ force == pytest.approx(np.cos(tilt) * 10 * G * np.array([-share, 0, 1]), rel=0.02, abs=0.2)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_a_corner_of_the_second_body_in_a_face_of_the_first(share: float) -> None:
+    """Newton's impact of a cube of 64 kg that stands on its corner, and a plate on that: both ways from the centre."""
+    R = turned((1, 0, 0), np.arctan(np.sqrt(0.5))) @ turned((0, 1, 0), np.pi / 4)
+    cube = vv.RigidBody(
+        shape=vv.Box(size=(0.4,) * 3), density=1e3, position=(0, 0, -0.2 * np.sqrt(3)), rotation=R
+    )
+    plate = vv.RigidBody(
+        shape=vv.Box(size=(0.3, 0.3, 0.1)), density=1e3, position=(0.05, 0, 0.0515), velocity=(0, 0, -2)
+    )
+    contact = vv.Contact(first=plate, second=cube, stiffness=STIFFNESS, restitution=share)
+    system = vv.System([plate, cube, contact])
+    result = vv.simulate(system, until=0.001, step=1e-5)
+    impulse = (1 + share) * 2 / (1 / 9 + 1 / 64 + 0.05**2 / (9 * (0.3**2 + 0.1**2) / 12))
+    assert vv.Velocity(of=plate)(system)[2] == pytest.approx(-2 + impulse / 9, abs=1e-3)
+    assert vv.Velocity(of=cube)(system)[2] == pytest.approx(-impulse / 64, abs=1e-3)
+    spin = 0.05 * impulse / (9 * (0.3**2 + 0.1**2) / 12)
+    assert vv.AngularVelocity(of=plate)(system) == pytest.approx([0, spin, 0], abs=1e-3 * spin)
+    result.assert_conserved(*ALL, tolerance=1e-10)
+
+
+def test_a_box_shifted_on_another_rests_flat() -> None:
+    """Corners of what both faces have in common: one of the upper box, one of the lower, and two crossings of edges."""
+    lower = vv.RigidBody(shape=vv.Box(size=(0.4, 0.4, 0.2)), density=1e3, position=(0, 0, 0.1))
+    upper = vv.RigidBody(shape=vv.Box(size=(0.4, 0.4, 0.2)), density=1e3, position=(0.12, 0.08, 0.3))
+    floor = vv.Plane()
+    contacts = [
+        vv.Contact(first=a, second=b, stiffness=STIFFNESS) for a, b in ((lower, floor), (upper, lower))
+    ]
+    system = vv.System([floor, lower, upper, *contacts, vv.Gravity()])
+    vv.simulate(system, until=0.5, step=0.005)
+    assert vv.Position(of=upper)(system) == pytest.approx([0.12, 0.08, 0.3], abs=1e-9)
+    assert vv.ContactForce(contact=contacts[1])(system) == pytest.approx([0, 0, 32 * G], abs=1e-6)
+    assert contacts[1].pressures.max() < 31 * G
+
+
+def tumbling(seed: int, **options: Any) -> vv.System:
+    """Three boxes thrown together, turned and spinning at random."""
+    rng = np.random.default_rng(seed)
+    bodies: list[Any] = []
+    for k in range(3):
+        Q = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        way = np.array([np.cos(2 * np.pi * k / 3), np.sin(2 * np.pi * k / 3), 0.2 * rng.standard_normal()])
+        bodies.append(
+            vv.RigidBody(
+                shape=vv.Box(size=(0.2, 0.25, 0.3)),
+                density=1e3,
+                position=0.4 * way,
+                rotation=Q * np.linalg.det(Q),
+                velocity=-1.5 * way,
+                angular_velocity=3 * rng.standard_normal(3),
+            )
+        )
+    pairs = ((0, 1), (1, 2), (0, 2))
+    contacts = [
+        vv.Contact(first=bodies[i], second=bodies[j], stiffness=STIFFNESS, **options) for i, j in pairs
+    ]
+    return vv.System([*bodies, *contacts])
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "options", [{"impact": "conserving"}, {}, {"restitution": 0.5, "friction": 0.3}, PENALTY]
+)
+def test_boxes_thrown_together_tumble_and_never_gain_energy(seed: int, options: Any) -> None:
+    system = tumbling(seed, **options)
+    result = vv.simulate(system, until=0.4, step=1e-3)
+    energy = result.ledger["total"]
+    assert np.diff(energy).max() < 1e-11 * energy[0]
+    result.assert_conserved(*ALL, tolerance=1e-9)
+    lost = 1 - energy[-1] / energy[0]
+    assert abs(lost) < 1e-11 if "impact" in options or "enforcement" in options else lost > 0.3
+
+
+@pytest.mark.parametrize("end", [0.06, 0.075, 0.09])
+@pytest.mark.parametrize("options", [{"restitution": 0.3, "friction": 0.2}, PENALTY | STUCK])
+def test_runs_of_edges_are_resumed_to_the_bit(end: float, options: Any, tmp_path: Path) -> None:
+    """Before, in and after the impact of a bar that falls askew across another one."""
+
+    def study(until: float) -> vv.Study:
+        parts, upper, _ = bars(0.12, **options)
+        upper.angular_velocity = (0.4, 0.3, 0.2)
+        return vv.Study(vv.System([*parts, vv.Gravity()]), until, 0.0015)
+
+    whole = run(study(0.12), tmp_path / "whole", pictures=False)
+    run(study(end), tmp_path / "parts", pictures=False)
+    parts = run(study(0.12), tmp_path / "parts", resume=True, pictures=False)
+    for name in ("x", "v"):
+        np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))

@@ -151,15 +151,24 @@ void bind_gaps(nb::module_& m) {
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("reach"), nb::arg("start"),
         nb::arg("own"), nb::arg("stretches"), nb::arg("turning"), nb::arg("opposite"), nb::arg("inner"));
+    nb::class_<SharpParts>(m, "SharpParts")
+        .def(
+            "__init__",
+            [](SharpParts* p, const Ints& edges, int n_first, const Ints& face_corners, const Ints& borders,
+               const Ints& border_start, const Ints& corners, const Ints& next, const Ints& next_start) {
+                new (p) SharpParts{vector_of<int>(edges),        n_first,
+                                   vector_of<int>(face_corners), vector_of<int>(borders),
+                                   vector_of<int>(border_start), vector_of<int>(corners),
+                                   vector_of<int>(next),         vector_of<int>(next_start)};
+            },
+            nb::arg("edges"), nb::arg("n_first"), nb::arg("face_corners"), nb::arg("borders"),
+            nb::arg("border_start"), nb::arg("corners"), nb::arg("next"), nb::arg("next_start"));
     m.def(
-        "edge_gaps",
-        [](const Skin& skin, const Ints& edges, int n_first, int n_vertices, int n_gaps, double depth,
-           double reach) {
-            return shared(
-                make_edge_gaps(skin, {vector_of<int>(edges), n_first, n_vertices, n_gaps, depth, reach}));
-        },
-        nb::arg("skin"), nb::arg("edges"), nb::arg("n_first"), nb::arg("n_vertices"), nb::arg("n_gaps"),
-        nb::arg("depth"), nb::arg("reach"));
+        "sharp_gaps",
+        [](const Skin& skin, const SharpParts& parts, int n_vertices, int n_gaps, double depth,
+           double reach) { return shared(make_sharp_gaps(skin, {parts, n_vertices, n_gaps, depth, reach})); },
+        nb::arg("skin"), nb::arg("parts"), nb::arg("n_vertices"), nb::arg("n_gaps"), nb::arg("depth"),
+        nb::arg("reach"));
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,

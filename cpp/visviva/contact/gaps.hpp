@@ -46,7 +46,7 @@ class Gaps {
     explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
     virtual ~Gaps() = default;
     const Skin& skin() const { return skin_; }
-    /// Gaps are numbered like the vertices of the first surface, but for those of edges.
+    /// Gaps are numbered like the vertices of the first surface, but for those of sharp parts.
     int n() const { return n_; }
     /// Vertices of the first surface, which come before all others.
     virtual int n_first() const { return n_; }
@@ -188,18 +188,27 @@ struct BarFrames {
 };
 std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside, BarFrames frames);
 
-/// Distances of edges of rigid bodies that cross. So many gaps as are given hold those pairs that meet or are
-/// nearest to that when a step begins.
-struct EdgeOptions {
+/// Sharp parts of two rigid bodies that may touch beside vertices of the first, as numbers of vertices. Bodies
+/// are convex there.
+struct SharpParts {
     // Of each edge, those of the first body first, four vertices: its ends, and corners of the facets to the
-    // left and to the right of it, seen from outside. The body is convex there.
+    // left and to the right of it, seen from outside.
     std::vector<int> edges;
-    int n_first = 0;     // edges of the first body
+    int n_first = 0;
+    // Of each flat face of the first body three corners, anticlockwise from outside, and the edges of its
+    // border, two vertices each and anticlockwise.
+    std::vector<int> face_corners, borders, border_start;
+    // Corners of the second body, and the other ends of their edges.
+    std::vector<int> corners, next, next_start;
+};
+/// So many gaps hold those pairs that meet, or are nearest to that, when a step begins.
+struct SharpOptions {
+    SharpParts parts;
     int n_vertices = 0;  // of the first body
     int n_gaps = 0;
-    double depth = 0;  // lines farther apart, or deeper in each other, are not seen
+    double depth = 0;  // what is farther apart, or deeper in the other body, is not seen
     double reach = 0;  // of the search
 };
-std::unique_ptr<Gaps> make_edge_gaps(Skin skin, EdgeOptions options);
+std::unique_ptr<Gaps> make_sharp_gaps(Skin skin, SharpOptions options);
 
 }  // namespace visviva

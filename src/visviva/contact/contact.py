@@ -130,12 +130,12 @@ class Contact(Component):
     as its own work. Schemes that remember accelerations (`GeneralizedAlpha`, `BDF2`) would gain energy in impacts by
     multipliers, and are refused. See :doc:`/theory/contact`.
 
-    Between rigid bodies the vertices of `first` touch, and edges of both that cross: those as sharp as 30 degrees and
-    convex, at most eight pairs at once, where both bodies touch by their whole surfaces; `forces` have their share,
-    `pressures` are those of vertices. By mortar means over the facets of `first` touch, which corners of what does not
-    lie flat pass by. Corners of `second` in faces of `first`, and edges against what is round, are not seen. Steps in
-    which bodies sink into each other beside their gaps, by a hundredth of their least width, fail and say so: exchange
-    `first` and `second`.
+    Between rigid bodies the vertices of `first` touch, and where both touch by their whole surfaces also edges that
+    cross and corners of `second` in faces of `first`: those as sharp as 30 degrees and convex, at most eight at once.
+    `forces` have their share, `pressures` are those of vertices. By mortar means over the facets of `first` touch,
+    which corners of what does not lie flat pass by. Edges and corners of `second` against what is round are not seen.
+    Steps in which bodies sink into each other beside their gaps, by a hundredth of their least width, fail and say so:
+    exchange `first` and `second`.
 
     A cylinder or cone that is `first` touches by its vertices: 32 on each rim and one in the middle of each flat face.
     So it rolls as a polygon, by a small impact at each vertex, after which it may hop: with n corners and restitution
@@ -462,8 +462,11 @@ class Contact(Component):
         return remarks_of(self, self._surface)
 
     def unfit_for_modes(self) -> str:
-        return without_tangent(self.pressures, self.gaps, self.tractions, self.friction, self._share)
+        found = without_tangent(self.pressures, self.gaps, self.tractions, self.friction, self._share)
+        return found or (self._edges.without_tangent(self._share) if self._edges else "")
 
     def trouble(self, x: Array) -> str:
         what = unsettled(self.term, self._surface, self.friction, x)
+        if not what and self._edges and self._edges.term.unsettled:
+            what = "still opens and closes, or sticks and slips, where edges cross or corners touch faces"
         return f"{self.label} {what}" if what else ""

@@ -1,17 +1,19 @@
-"""Edges of two rigid bodies that cross: gaps of their own, beside those of vertices."""
+"""Edges of two rigid bodies that cross, and corners of the second in faces of the first, beside gaps of vertices."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.contact.contact_surface import Surface, skin
-from visviva.contact.creases import neighbours
+from visviva.contact.contact_trouble import without_tangent
+from visviva.contact.sharp import Parts, sharp_parts
 from visviva.contact.sinking import narrowest, watched, whole_surface
 from visviva.model.field import Role
 
@@ -22,48 +24,26 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHARP = 30.0
-"""Degrees between facets from which on what lies between them is an edge: less is the side of something round."""
 AT_ONCE = 8
-"""So many pairs of edges of two bodies may touch at once: those of two squares that lie on each other."""
+"""So many pairs of two bodies may touch at once: those of edges of two squares that lie on each other."""
 DEEP = 0.5
 """Part of the least width of both bodies by which edges may be in each other and know it."""
 
 
-def sharp_edges(surface: Surface) -> NDArray[np.int32]:
-    """Edges (k, 4) at which a closed surface is sharp and convex: ends, a corner of the left facet and of the right.
-
-    Left is left from the first end to the second, seen from outside.
-    """
-    found = []
-    sharp = np.cos(np.radians(SHARP))
-    for f, a, g, b in neighbours(surface):
-        rows = [row[row >= 0] for row in (surface.facets[f], surface.facets[g])]
-        (left, right), (start, end) = rows, rows[0][a]
-        corners = [row[~np.isin(row, (start, end))][0] for row in (left, right)]
-        n = surface.normals[f], surface.normals[g]
-        ahead = surface.places[corners[1]] - surface.places[start]
-        if n[0] @ n[1] < sharp and n[0] @ ahead < 0 and len(set(rows[1][b]) & {start, end}) == 2:
-            found.append((start, end, *corners))
-    return np.array(found, dtype=np.int32).reshape(-1, 4)
-
-
 class Edges:
-    """Gaps of the edges of a contact, their multipliers, and the core's term of them.
+    """Gaps of the edges of a contact and corners of its second body, multipliers, and the core's term of them.
 
     Parameters
     ----------
     contact : Contact
     sides : tuple of Surface
         The whole surfaces of both bodies.
-    edges : tuple of array of int, (k, 4)
-        Of both, as `sharp_edges` finds them.
+    parts : tuple of Parts
+        Sharp ones of both.
     """
 
-    def __init__(
-        self, contact: Contact, sides: tuple[Surface, Surface], edges: tuple[NDArray[np.int32], ...]
-    ) -> None:
-        self._contact, self._sides, self._edges = contact, sides, edges
+    def __init__(self, contact: Contact, sides: tuple[Surface, Surface], parts: tuple[Parts, Parts]) -> None:
+        self._contact, self._sides, self._parts = contact, sides, parts
         self.term: _core.ContactTerm
 
     def declare(self, model: Model) -> None:
@@ -84,11 +64,9 @@ class Edges:
         """The core's term, with the stiffness across and along edges that vertices have."""
         contact, (first, second) = self._contact, self._sides
         n = len(first.forms)
-        edges = np.concatenate([self._edges[0], self._edges[1] + n]).astype(np.int32).ravel()
         least = min(narrowest(side) for side in self._sides)
-        gaps = _core.edge_gaps(
-            skin(first, second, sees=False), edges, len(self._edges[0]), n, AT_ONCE, DEEP * least, reach
-        )
+        pair = skin(first, second, sees=False)
+        gaps = _core.sharp_gaps(pair, self._pairs(n), n, AT_ONCE, DEEP * least, reach)
         ones = np.ones(AT_ONCE)
         self.term = _core.ContactTerm(
             gaps,
@@ -118,6 +96,21 @@ class Edges:
             self.term.book_friction(work, -1 if sticks else model.account(contact, "friction", "potential"))
         model.batch(self.term)
 
+    def _pairs(self, n: int) -> _core.SharpParts:
+        """Edges of both, faces of the first, corners of the second, whose vertices begin with number n."""
+        one, two = self._parts
+        borders, beside = [face[1] for face in one.faces], [two.beside(corner) for corner in two.corners]
+        return _core.SharpParts(
+            _flat([one.edges, two.edges + n]),
+            len(one.edges),
+            _flat([face[0] for face in one.faces]),
+            _flat(borders),
+            _starts([2 * len(border) for border in borders]),
+            np.array(two.corners, dtype=np.int32) + np.int32(n),
+            _flat(beside) + np.int32(n),
+            _starts([len(ends) for ends in beside]),
+        )
+
     def add_to(self, forces: Array) -> None:
         """Add those on the edges of the first body to `forces` (n, 3) on its vertices."""
         if len(self.term.forces):
@@ -129,20 +122,27 @@ class Edges:
         """By how much edges are in each other (AT_ONCE,) at the end of the last step."""
         return np.where(self.term.areas > 0, np.maximum(-self.term.gaps, 0.0), 0.0)
 
+    def without_tangent(self, size: float) -> str:
+        """Why contact cannot be linearised there."""
+        gaps = np.where(self.term.areas > 0, self.term.gaps, np.nan)
+        tractions = self.term.tractions.reshape(-1, 3)
+        why = without_tangent(self.term.pressures, gaps, tractions, self._contact.friction, size)
+        return why.replace("of its vertices", "of its edges or corners")
+
     def refuse_overlap(self, deep: float) -> None:
         """Refuse edges that are in each other by more than this at the start."""
         depth = float(self.depths.max())
         if depth > deep:
             contact = self._contact
             raise InputError(
-                f"{contact.label}: edges of {contact.first.label} and {contact._pair._opponent} that cross overlap by "
+                f"{contact.label}: edges or corners of {contact.first.label} and {contact._pair._opponent} overlap by "
                 f"{depth:.3g} at the start; move one of them, or give initial='press' to start under the pressure "
                 "that this overlap makes"
             )
 
 
 def edges_of(contact: Contact) -> Edges | None:
-    """Gaps of edges, if both bodies are rigid, have sharp ones and touch by the whole of their surfaces."""
+    """Gaps of edges and corners, if both bodies are rigid, sharp, and touch by the whole of their surfaces."""
     pairing = watched(contact)
     if pairing is None or contact.is_mortar or (contact.first_faces, contact.second_faces) != ("all", "all"):
         return None
@@ -151,8 +151,17 @@ def edges_of(contact: Contact) -> Edges | None:
     if feelers is None or feelers[1] > 0 or _is_flat(first) or _is_flat(second):
         return None
     sides = whole_surface(contact, first), whole_surface(contact, second)
-    edges = sharp_edges(sides[0]), sharp_edges(sides[1])
-    return Edges(contact, sides, edges) if len(edges[0]) and len(edges[1]) else None
+    parts = sharp_parts(sides[0]), sharp_parts(sides[1])
+    meet = len(parts[0].edges) and len(parts[1].edges)
+    return Edges(contact, sides, parts) if meet or parts[1].corners else None
+
+
+def _flat(rows: Sequence[ArrayLike]) -> NDArray[np.int32]:
+    return np.concatenate([np.zeros(0), *(np.ravel(row) for row in rows)]).astype(np.int32)
+
+
+def _starts(lengths: list[int]) -> NDArray[np.int32]:
+    return np.cumsum([0, *lengths]).astype(np.int32)
 
 
 def _is_flat(body: object) -> bool:

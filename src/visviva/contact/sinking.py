@@ -82,12 +82,15 @@ def _cure(contact: Contact, pairing: Pairing) -> str:
             f"mortar gaps are means over facets, which edges and corners of {first} pass by where it lies tilted: take "
             "formulation='node-to-segment'"
         )
-    edges = "edges as sharp as 30 degrees that cross"
     if (contact.first_faces, contact.second_faces) != ("all", "all"):
-        edges += ", unless faces are named as here: leave out first_faces and second_faces"
+        return (
+            f"of faces that are named vertices of {first} alone touch {second}: leave out first_faces and "
+            "second_faces, or exchange first and second where corners of that meet faces"
+        )
     return (
-        f"vertices of {first} touch {second}, and {edges}: exchange first and second where corners of that meet faces "
-        "or what is round meets edges, and take formulation='mortar' where faces lie on each other beside vertices"
+        f"vertices of {first} touch {second}, and where both are convex and sharp by 30 degrees edges that cross and "
+        "corners in faces: exchange first and second where what is round meets edges or corners, and take "
+        "formulation='mortar' where faces lie on each other beside these"
     )
 
 

@@ -1,0 +1,205 @@
+// Gaps between sharp parts of two rigid bodies: edges that cross, corners of the second in faces of the
+// first. They count where each body is convex and looks at the other one there; what ends there or lies along
+// each other has vertices that touch.
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/contact/sharp_pairs.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+using Pair = SharpPairs::Pair;
+
+constexpr double at_end = 1e-6;  // part of an edge by which places at its ends are none of it
+constexpr double beside = 0.1;   // sine by which normals may lie beside those of a part: faces on each other
+constexpr double coming = 0.5;   // part of an edge beyond its ends, and sine, from where a step may come
+constexpr double again = 0.35;   // of the reach: so far bodies may move until the next search
+
+class SharpGaps : public Gaps {
+  public:
+    SharpGaps(Skin skin, SharpOptions options);
+    int copies() const override { return n_; }
+    int n_first() const override { return options_.n_vertices; }
+    const std::vector<int>& neighbours(int) const override { return all_; }
+    bool search(const double* from, const double* to) override;
+    bool settle(const double* X) override;
+    bool set_static(bool on) override { return std::exchange(static_, on) != on; }
+    void keep_sides() override { keeps_ = true; }
+    long place(int gap) const override { return held_[gap].pair.number; }
+    void values(const double* X, double* gap, double* area) override;
+    void approaches(const double*, const double*, std::vector<Approach>& out) const override {
+        out.assign(n_, {options_.depth, 0});  // half of that is too deep; what passes whole edges is watched
+    }
+    void gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) override;
+    void seconds(const double* X, const std::vector<double>& S, const double* direction,
+                 std::vector<Gap>& out) override;
+    void grips(const double* X, const std::vector<char>& wanted, bool gradients,
+               std::vector<Grip>& out) override;
+
+  private:
+    struct Held {
+        Pair pair;
+        bool meets = false;  // where the step begins
+        bool operator==(const Held&) const = default;
+    };
+    struct Candidate {
+        Held held;
+        double gap;
+    };
+    bool sees(const double* X, int gap) const;
+    void find(const double* X, std::vector<Candidate>& found) const;
+    Meeting meeting(const double* X, int gap) const { return pairs_.meeting(X, held_[gap].pair); }
+
+    SharpOptions options_;
+    SharpPairs pairs_;
+    std::vector<int> all_;  // so many vertices that all unknowns are among theirs
+    std::vector<long> near_;
+    std::vector<Held> held_;
+    bool static_ = false, keeps_ = false;
+};
+
+SharpGaps::SharpGaps(Skin skin, SharpOptions options)
+    : Gaps(std::move(skin)), options_(std::move(options)), pairs_(options_.parts, options_.depth) {
+    n_ = options_.n_gaps;
+    stencils_.resize(n_), held_.resize(n_);
+    std::vector<int> seen;
+    for (int v = 0; v < skin_.n_vertices(); ++v) {
+        bool is_new = false;
+        for (int k = skin_.first[v]; k < skin_.first[v + 1]; ++k)
+            if (std::find(seen.begin(), seen.end(), skin_.unknown[k]) == seen.end())
+                seen.push_back(skin_.unknown[k]), is_new = true;
+        if (is_new) all_.push_back(v);
+    }
+}
+
+bool SharpGaps::search(const double* from, const double* to) {
+    near_.clear();
+    pairs_.near(from, to, again * options_.reach, [&](long p) { near_.push_back(p); });
+    return false;  // couples all unknowns of both bodies always
+}
+
+// Those that meet, and then what is nearest to that.
+void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
+    for (const long p : near_) {
+        if (pairs_.is_apart(X, p)) continue;
+        for (const double sign : {1.0, -1.0}) {
+            if (sign < 0 && !pairs_.has_signs(p)) continue;
+            const Pair pair{p, sign};
+            if (!pairs_.meets(X, pair, coming, coming)) continue;
+            found.push_back(
+                {{pair, pairs_.meets(X, pair, -at_end, beside)}, pairs_.meeting(X, pair).distance});
+        }
+    }
+    auto sooner = [](const Candidate& a, const Candidate& b) {
+        return std::pair(!a.held.meets, a.gap) < std::pair(!b.held.meets, b.gap);
+    };
+    std::stable_sort(found.begin(), found.end(), sooner);
+}
+
+// Pairs keep their gap from step to step unless another one wants it, and it follows from places alone.
+bool SharpGaps::settle(const double* X) {
+    std::vector<Candidate> found;
+    find(X, found);
+    if (static_cast<int>(found.size()) > n_) found.resize(n_);
+    std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+        return a.held.pair.number < b.held.pair.number;
+    });
+    std::vector<Held> held(n_);
+    for (const Candidate& c : found) {
+        long gap = c.held.pair.number % n_;
+        while (held[gap].pair.number >= 0) gap = (gap + 1) % n_;
+        held[gap] = c.held;
+    }
+    if (held == held_) return false;
+    held_ = std::move(held);
+    for (int A = 0; A < n_; ++A) {
+        stencils_[A].clear();
+        if (held_[A].pair.number < 0) continue;
+        const auto stencil = pairs_.stencil(held_[A].pair.number);
+        stencils_[A].assign(stencil.begin(), stencil.end());
+    }
+    return true;
+}
+
+// What multipliers hold in time they hold for the whole of a step, wherever that leads.
+bool SharpGaps::sees(const double* X, int A) const {
+    if (held_[A].pair.number < 0) return false;
+    if (keeps_ && !static_) return held_[A].meets && meeting(X, A).sine > 0;
+    return pairs_.meets(X, held_[A].pair, -at_end, beside);
+}
+
+void SharpGaps::values(const double* X, double* gap, double* area) {
+    for (int A = 0; A < n_; ++A) {
+        const bool near = sees(X, A);
+        area[A] = near ? 1 : 0;
+        gap[A] = near ? meeting(X, A).distance : options_.depth;
+    }
+}
+
+void SharpGaps::gradients(const double* X, const std::vector<char>& wanted, std::vector<Gap>& out) {
+    for (int A = 0; A < n_; ++A) {
+        if (!wanted[A]) continue;
+        out[A].gradient.assign(3 * stencils_[A].size(), 0.0);
+        if (!sees(X, A)) continue;
+        const Meeting::Row g = meeting(X, A).gradient();
+        out[A].gradient.assign(g.begin(), g.end());
+    }
+}
+
+void SharpGaps::seconds(const double* X, const std::vector<double>& S, const double* direction,
+                        std::vector<Gap>& out) {
+    for (int A = 0; A < n_; ++A) {
+        if (S[A] == 0) continue;
+        Meeting::Row g = Meeting::Row::Zero();
+        Eigen::Matrix<double, 12, 12> H = Eigen::Matrix<double, 12, 12>::Zero();
+        if (sees(X, A)) {
+            const Meeting pair = meeting(X, A);
+            g = pair.gradient(), H = pair.derivatives().hessian;
+        }
+        out[A].gradient.assign(g.begin(), g.end());
+        if (direction) {
+            Eigen::Matrix<double, 12, 1> D;
+            for (int v = 0; v < 4; ++v) D.segment<3>(3 * v) = At(direction + 3 * stencils_[A][v]);
+            const Eigen::Matrix<double, 12, 1> along = H * D;
+            out[A].along.assign(along.begin(), along.end());
+        }
+        H *= S[A];
+        out[A].hessian.assign(H.data(), H.data() + H.size());
+    }
+}
+
+// Both bodies touch where they are nearest; tractions turn with an edge of the first.
+void SharpGaps::grips(const double* X, const std::vector<char>& wanted, bool gradients,
+                      std::vector<Grip>& out) {
+    for (int A = 0; A < n_; ++A) {
+        if (!wanted[A]) continue;
+        const Eigen::Index k = static_cast<Eigen::Index>(stencils_[A].size());
+        Grip& g = out[A];
+        g.weight.setZero(k), g.turning.setOnes(k), g.tangent.setZero();
+        g.weight_gradient.setZero(gradients ? k : 0, 3 * k);
+        for (auto& t : g.tangent_gradient) t.setZero(3, 3 * k);
+        if (!sees(X, A)) continue;
+        const Meeting pair = meeting(X, A);
+        g.weight = -pair.shares;
+        Eigen::MatrixXd N;
+        if (gradients) {
+            const Meeting::Derivatives d = pair.derivatives();
+            N = d.normal;
+            g.weight_gradient = -d.shares;
+        }
+        const Vector3 edge = At(X + 3 * stencils_[A][1]) - At(X + 3 * stencils_[A][0]);
+        set_tangents(skin_.dim, pair.normal, gradients ? &N : nullptr, edge, 0, 1, g);
+    }
+}
+
+}  // namespace
+
+std::unique_ptr<Gaps> make_sharp_gaps(Skin skin, SharpOptions options) {
+    return std::make_unique<SharpGaps>(std::move(skin), std::move(options));
+}
+
+}  // namespace visviva

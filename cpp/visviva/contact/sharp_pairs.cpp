@@ -1,0 +1,130 @@
+#include "visviva/contact/sharp_pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace visviva {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+
+constexpr double parallel = 1e-2;  // sine of an angle below which edges do not cross
+
+}  // namespace
+
+std::vector<int> SharpPairs::vertices(int side, long part) const {
+    if (part < n_edges(side)) {
+        const int* e = &parts_.edges[4 * (part + (side == 0 ? 0 : n_edges(0)))];
+        return {e[0], e[1]};
+    }
+    const long k = part - n_edges(side);
+    if (side == 1) return {parts_.corners[k]};
+    return {parts_.borders.begin() + parts_.border_start[k],
+            parts_.borders.begin() + parts_.border_start[k + 1]};
+}
+
+std::vector<Box> SharpPairs::boxes(const double* from, const double* to, int side, double margin) const {
+    std::vector<Box> boxes;
+    const long n = n_edges(side) + (side == 0 ? n_faces() : n_corners());
+    for (long k = 0; k < n; ++k) {
+        Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+        for (const int v : vertices(side, k))
+            for (const double* X : {from, to})
+                for (int i = 0; i < 3; ++i) {
+                    box.low[i] = std::min(box.low[i], X[3 * v + i] - margin);
+                    box.high[i] = std::max(box.high[i], X[3 * v + i] + margin);
+                }
+        boxes.push_back(box);
+    }
+    return boxes;
+}
+
+std::array<int, 4> SharpPairs::stencil(long number) const {
+    if (number < n_crossing()) {
+        const int *one = edge(number, 0), *two = edge(number, 1);
+        return {one[0], one[1], two[0], two[1]};
+    }
+    const int* f = &parts_.face_corners[3 * face(number)];
+    return {f[0], f[1], f[2], parts_.corners[corner(number)]};
+}
+
+Meeting SharpPairs::meeting(const double* X, const Pair& pair) const {
+    const auto v = stencil(pair.number);
+    const At a(X + 3 * v[0]), b(X + 3 * v[1]), c(X + 3 * v[2]), d(X + 3 * v[3]);
+    return pair.number < n_crossing() ? Meeting::of_lines(a, b, c, d, pair.sign)
+                                      : Meeting::of_plane(a, b, c, d);
+}
+
+// By the spheres about both parts, as large again: a step may come from there.
+bool SharpPairs::is_apart(const double* X, long number) const {
+    Vector3 middle[2];
+    double sizes = 0;
+    for (int side : {0, 1}) {
+        Eigen::AlignedBox3d box;
+        for (const int v : vertices(side, part(number, side))) box.extend(Vector3(At(X + 3 * v)));
+        middle[side] = box.center(), sizes += box.diagonal().norm();
+    }
+    return (middle[1] - middle[0]).norm() > sizes + depth_;
+}
+
+// Whether a unit vector across an edge lies between the normals of the facets beside it.
+bool SharpPairs::edge_looks(const double* X, const int* edge, const Vector3& n, double sine) const {
+    const Vector3 a = At(X + 3 * edge[0]), along = (At(X + 3 * edge[1]) - a).normalized();
+    const Vector3 left = along.cross(At(X + 3 * edge[2]) - a).normalized(),
+                  right = (At(X + 3 * edge[3]) - a).cross(along).normalized();
+    return left.cross(n).dot(along) >= -sine && n.cross(right).dot(along) >= -sine && n.dot(left + right) > 0;
+}
+
+// Whether all edges of a corner lead away from a plane with this unit normal.
+bool SharpPairs::corner_looks(const double* X, long corner, const Vector3& n, double sine) const {
+    const Vector3 a = At(X + 3 * parts_.corners[corner]);
+    for (int k = parts_.next_start[corner]; k < parts_.next_start[corner + 1]; ++k)
+        if (n.dot((At(X + 3 * parts_.next[k]) - a).normalized()) > sine) return false;
+    return true;
+}
+
+// How far a place in the plane of a face is from its border; negative outside. Borders run anticlockwise
+// about the outward normal, those of holes the other way, in pairs of vertices.
+double SharpPairs::inside(const double* X, long face, const Vector3& x, const Vector3& n) const {
+    double least = HUGE_VAL, around = 0;
+    for (int k = parts_.border_start[face]; k < parts_.border_start[face + 1]; k += 2) {
+        const Vector3 a = At(X + 3 * parts_.borders[k]) - x, b = At(X + 3 * parts_.borders[k + 1]) - x,
+                      e = b - a;
+        const double s = std::clamp(-a.dot(e) / e.squaredNorm(), 0.0, 1.0);
+        least = std::min(least, (a + s * e).norm());
+        around += std::atan2(n.dot(a.cross(b)), a.dot(b));
+    }
+    return around > M_PI ? least : -least;
+}
+
+bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond,
+                            double sine) const {
+    const double places[2] = {m.shares[1], -m.shares[3]};
+    const auto v = stencil(pair.number);
+    for (int side : {0, 1}) {
+        const double from_end = std::min(places[side], 1 - places[side]);
+        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
+        if (from_end < -beyond || (beyond <= 0 && -m.distance > 2 * from_end * length)) return false;
+    }
+    return edge_looks(X, edge(pair.number, 0), -m.normal, sine) &&
+           edge_looks(X, edge(pair.number, 1), m.normal, sine);
+}
+
+// What is nearer to the end of an edge, or to the border of a face, than half as deep leaves past that, and
+// by what touches there: so does the vertical edge of a box that has sunk a little into the one that it
+// stands on.
+bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double sine) const {
+    const Meeting m = meeting(X, pair);
+    if (m.sine < parallel || std::abs(m.distance) > depth_) return false;
+    if (pair.number < n_crossing()) return edges_meet(X, pair, m, beyond, sine);
+    const auto v = stencil(pair.number);
+    const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
+    const double in = inside(X, face(pair.number), foot, -m.normal);
+    const double size = (At(X + 3 * v[1]) - At(X + 3 * v[0])).norm();
+    if (in < -beyond * size || (beyond <= 0 && -m.distance > 2 * in)) return false;
+    return corner_looks(X, corner(pair.number), m.normal, sine);
+}
+
+}  // namespace visviva

@@ -1,0 +1,71 @@
+// Where two rigid bodies may touch beside the vertices of the first: an edge of each that cross, or a corner
+// of the second in a face of the first.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "visviva/contact/gaps.hpp"
+#include "visviva/contact/meeting.hpp"
+#include "visviva/contact/search.hpp"
+
+namespace visviva {
+
+class SharpPairs {
+  public:
+    explicit SharpPairs(SharpParts parts, double depth) : parts_(std::move(parts)), depth_(depth) {}
+
+    /// A pair, by its number among all of them, with the sign of its normal.
+    struct Pair {
+        long number = -1;
+        double sign = 0;
+        bool operator==(const Pair&) const = default;
+    };
+    long n_pairs() const { return n_crossing() + n_faces() * n_corners(); }
+    /// Calls take(number) for pairs that come within a margin between two configurations.
+    template <class F>
+    void near(const double* from, const double* to, double margin, F take) const {
+        const std::vector<Box> boxes[2] = {this->boxes(from, to, 0, margin),
+                                           this->boxes(from, to, 1, margin)};
+        for (long p = 0; p < n_pairs(); ++p)
+            if (boxes[0][part(p, 0)].meets(boxes[1][part(p, 1)])) take(p);
+    }
+    bool is_apart(const double* X, long number) const;
+    std::array<int, 4> stencil(long number) const;
+    Meeting meeting(const double* X, const Pair& pair) const;
+    bool has_signs(long number) const { return number < n_crossing(); }
+
+    /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
+    /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
+    bool meets(const double* X, const Pair& pair, double beyond, double sine) const;
+
+  private:
+    long n_edges(int side) const {
+        const long first = parts_.n_first;
+        return side == 0 ? first : static_cast<long>(parts_.edges.size()) / 4 - first;
+    }
+    long n_crossing() const { return n_edges(0) * n_edges(1); }
+    long n_faces() const { return static_cast<long>(parts_.face_corners.size()) / 3; }
+    long n_corners() const { return static_cast<long>(parts_.corners.size()); }
+    /// Of a side: edges, then faces or corners.
+    long part(long number, int side) const {
+        const bool crosses = number < n_crossing();
+        const long other = crosses ? n_edges(1) : n_corners(), k = crosses ? number : number - n_crossing();
+        return (side == 0 ? k / other : k % other) + (crosses ? 0 : n_edges(side));
+    }
+    const int* edge(long number, int side) const {
+        return &parts_.edges[4 * (part(number, side) + (side == 0 ? 0 : n_edges(0)))];
+    }
+    long face(long number) const { return part(number, 0) - n_edges(0); }
+    long corner(long number) const { return part(number, 1) - n_edges(1); }
+    std::vector<int> vertices(int side, long part) const;
+    std::vector<Box> boxes(const double* from, const double* to, int side, double margin) const;
+    bool edge_looks(const double* X, const int* edge, const Eigen::Vector3d& n, double sine) const;
+    bool corner_looks(const double* X, long corner, const Eigen::Vector3d& n, double sine) const;
+    double inside(const double* X, long face, const Eigen::Vector3d& x, const Eigen::Vector3d& n) const;
+    bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine) const;
+
+    SharpParts parts_;
+    double depth_;
+};
+
+}  // namespace visviva
