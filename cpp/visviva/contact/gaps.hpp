@@ -188,8 +188,8 @@ struct BarFrames {
 };
 std::unique_ptr<Gaps> make_line_gaps(Skin skin, PointOptions options, OwnSegments beside, BarFrames frames);
 
-/// Sharp parts of two rigid bodies that may touch beside vertices of the first, as numbers of vertices. Bodies
-/// are convex there.
+/// Sharp parts of two rigid bodies that may touch beside vertices of the first, as numbers of vertices.
+/// Bodies are convex there.
 struct SharpParts {
     // Of each edge, those of the first body first, four vertices: its ends, and corners of the facets to the
     // left and to the right of it, seen from outside.
