@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -16,7 +15,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.mesh import cad, exodus, ls_dyna
+from visviva.mesh import cad, exodus, ls_dyna, nastran
 from visviva.mesh.abaqus import Reader
 from visviva.mesh.cells import CELLS, Ints
 from visviva.mesh.collect import VERTEX, Collection, dimension_of
@@ -29,7 +28,6 @@ from visviva.mesh.write_mesh import load_meshio
 NAMES = {cell.meshio: cell.name for cell in CELLS.values()} | {"vertex": VERTEX}
 CAN_REFER = (".xdmf", ".xmf", ".med", ".h5m", ".cgns", ".hmf", *EXODUS_ENDINGS, ".nc")
 """Endings of formats whose files can name other files to be read with them."""
-NASTRAN = (".bdf", ".fem", ".nas")
 
 
 @dataclass(frozen=True, config=CONFIG)
@@ -44,11 +42,11 @@ class MeshFile(MeshSource):
     ----------
     path : path
         ``.msh`` of Gmsh with physical groups; ``.inp`` of Abaqus with NSET, ELSET and SURFACE; ``.vtu`` and
-        ``.vtk``, where whole-numbered arrays of zeros and ones are sets; ``.med`` with its groups, ``.bdf`` of
-        Nastran with its properties, ``.e`` of Exodus with its blocks and sets, whatever else meshio reads; ``.k``,
-        ``.key`` and ``.dyn`` of LS-DYNA with parts and sets; ``.geo`` of Gmsh, a script which is run and meshed, if
-        it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and ``.brep``, shapes which Gmsh meshes by tetrahedra,
-        and shapes without volume by triangles.
+        ``.vtk``, where whole-numbered arrays of zeros and ones are sets; ``.med`` with its groups, ``.bdf``, ``.nas``
+        and ``.fem`` of Nastran with properties, ``.e`` of Exodus with its blocks and sets, whatever else meshio reads;
+        ``.k``, ``.key`` and ``.dyn`` of LS-DYNA with parts and sets; ``.geo`` of Gmsh, a script which is run and
+        meshed, if it is trusted; ``.step``, ``.stp``, ``.iges``, ``.igs`` and ``.brep``, shapes which Gmsh meshes by
+        tetrahedra, and shapes without volume by triangles.
     drop_orphans : bool
         Whether nodes that belong to no cell are left out, such as centres of circles.
     trust : bool
@@ -86,8 +84,11 @@ class MeshFile(MeshSource):
     ``segments1`` (of faces), ``parts1`` and ``elements1``, by their numbers; those of Exodus ``block1``, ``nodes1`` and
     ``sides1``.
 
-    Needs the package meshio, but for Abaqus and LS-DYNA files: ``pip install "visviva[mesh]"``; for ``.geo`` and CAD
-    also gmsh: ``pip install "visviva[gmsh]"``.
+    Nodes of Nastran may be given in any coordinate system. Its elements without a property are in no set; springs,
+    dampers, masses and welds are no cells; what would make or move nodes or elements and is not read is refused.
+
+    Needs the package meshio, but for Abaqus, LS-DYNA and Nastran files: ``pip install "visviva[mesh]"``; for ``.geo``
+    and CAD also gmsh: ``pip install "visviva[gmsh]"``.
 
     Examples
     --------
@@ -127,6 +128,8 @@ class MeshFile(MeshSource):
             return Reader(self.within).read(self.path)
         if suffix in ls_dyna.ENDINGS:
             return ls_dyna.Reader(self.within).read(self.path)
+        if suffix in nastran.ENDINGS:
+            return nastran.Reader(self.within).read(self.path)
         if suffix == ".geo":
             self._refuse_untrusted()
             with tempfile.TemporaryDirectory() as folder:
@@ -210,29 +213,13 @@ def _meshio_read(path: Path) -> Any:
 
 @contextmanager
 def _complete(path: Path) -> Iterator[Path]:
-    """The file, or a copy that meshio reads.
-
-    Of bulk data of Nastran alone, as Gmsh writes it, between the lines that meshio looks for; of Exodus with its
-    names of cells.
-    """
-    if path.suffix.lower() in EXODUS_ENDINGS:
-        with tempfile.TemporaryDirectory() as folder:
-            copy = Path(shutil.copyfile(path, Path(folder) / path.name))
-            exodus.rename_cells(copy)
-            yield copy
-        return
-    if path.suffix.lower() not in NASTRAN:
-        yield path
-        return
-    text = path.read_text(encoding="utf-8", errors="replace").rstrip()
-    begins, ends = (re.search(rf"^\s*{word}", text, re.MULTILINE) for word in ("BEGIN BULK", "ENDDATA"))
-    if begins and ends:
+    """The file; of Exodus a copy with names of cells that meshio knows."""
+    if path.suffix.lower() not in EXODUS_ENDINGS:
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / path.name
-        head, tail = "" if begins else "BEGIN BULK\n", "" if ends else "\nENDDATA\n"
-        copy.write_text(head + text + tail, encoding="utf-8")
+        copy = Path(shutil.copyfile(path, Path(folder) / path.name))
+        exodus.rename_cells(copy)
         yield copy
 
 
@@ -269,8 +256,6 @@ def _groups(read: Any) -> Iterator[tuple[str, int, Ints]]:
             dim = dimension_of(NAMES[read.cells[k].type])
             for tag in np.unique(tags[tags != 0]):
                 yield called.get((int(tag), dim), str(tag)), k, np.flatnonzero(tags == tag)
-    for k, refs in enumerate(read.cell_data.get("nastran:ref", ())):
-        yield from ((str(ref), k, np.flatnonzero(refs == ref)) for ref in np.unique(refs))
     for k, families in enumerate(read.cell_data.get("cell_tags", ())):  # of MED
         for name, family in _families(getattr(read, "cell_tags", {})):
             yield name, k, np.flatnonzero(families == family)
