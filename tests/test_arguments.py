@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 import pickle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -117,3 +119,17 @@ def test_components_of_a_system_are_those_it_was_made_of() -> None:
         system.components = [a, vv.Gravity()]  # type: ignore[misc, assignment]
     with pytest.raises(vv.InputError, match="listed twice"):
         vv.System([vv.PointMass(mass=1.0)] * 2)
+
+
+def test_type_checkers_see_the_constructors() -> None:
+    """pyright took the metaclasses' `__call__` for the constructors: any arguments, and Any as what is made."""
+    package = Path(vv.__file__).parent
+    seen = [
+        (file.name, made.name)
+        for file in sorted(package.rglob("*.py"))
+        for made in ast.walk(ast.parse(file.read_text()))
+        if isinstance(made, ast.ClassDef)
+        for part in made.body
+        if isinstance(part, ast.FunctionDef) and part.name == "__call__" and part.args.args[0].arg == "cls"
+    ]
+    assert seen == []

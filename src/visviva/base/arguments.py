@@ -10,7 +10,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from inspect import Parameter, Signature, signature
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,7 @@ class Validated(ABCMeta):
     visviva.base.arguments.ArgumentError: Ground: mass: there is no such argument; there are name
     """
 
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+    def _make(cls, *args: Any, **kwargs: Any) -> Any:
         given = {**(by_name(cls, args) if is_dataclass(cls) else {}), **kwargs}
         for name, value in given.items():
             complaint = mistaken(plain_types(cls).get(name, frozenset()), value)
@@ -72,6 +72,11 @@ class Validated(ABCMeta):
             return fixed(super().__call__(*args, **kwargs), given.values())
         except ValidationError as error:
             raise refusal(cls, kwargs.get("name"), error) from None
+
+    if (
+        not TYPE_CHECKING
+    ):  # pyright would believe that constructors return what it does, and take any arguments
+        __call__ = _make
 
     @property
     def __signature__(cls) -> Signature:
@@ -175,9 +180,12 @@ class Named(type):
     visviva.base.arguments.ArgumentError: System: newtn: there is no such argument; did you mean 'newton'?
     """
 
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+    def _make(cls, *args: Any, **kwargs: Any) -> Any:
         named(cls, args, kwargs)
         return super().__call__(*args, **kwargs)
+
+    if not TYPE_CHECKING:
+        __call__ = _make
 
     @property
     def __signature__(cls) -> Signature:

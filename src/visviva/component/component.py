@@ -87,10 +87,13 @@ COMPOSITION = "_composition"
 class Composed(Validated):
     """Type of components, which know when they are made: from then on arguments that are set are validated."""
 
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+    def _make(cls, *args: Any, **kwargs: Any) -> Any:
         made = super().__call__(*args, **kwargs)
         vars(made).update({MADE: True, EDITION: object()})
         return made
+
+    if not TYPE_CHECKING:
+        __call__ = _make
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
