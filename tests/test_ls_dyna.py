@@ -102,6 +102,40 @@ def test_bricks_that_are_wedges_and_tetrahedra(tmp_path: Path) -> None:
     assert vv.Solid(mesh=tets, material=material, density=1.0).mass == pytest.approx(2 / 6)
 
 
+@pytest.mark.parametrize(
+    ("nodes", "cell", "volume"),
+    [((1, 2, 3, 3, 5, 6, 7, 7), "wedge6", 1 / 2), ((1, 2, 3, 3, 6, 6, 6, 6), "tet4", 1 / 6)],
+)
+def test_bricks_whose_third_and_fourth_nodes_are_one(
+    nodes: tuple[int, ...], cell: str, volume: float, tmp_path: Path
+) -> None:
+    """Half a cube by a cut through upright edges, as meshers for other programs write wedges; a corner of it."""
+    text = deck(nodes_of(CUBE), "*ELEMENT_SOLID\n" + columns([(1, 1, *nodes)], 8))
+    mesh = built(tmp_path, text, drop_orphans=True).check()
+    assert (list(mesh.cells), mesh.volume) == ([cell], pytest.approx(volume))
+
+
+def test_sets_by_columns_and_increments(tmp_path: Path) -> None:
+    """Columns behind the members are properties; increments stand behind the first and last."""
+    sets = f"""*SET_NODE_COLUMN_TITLE
+left
+{columns([(5,)], 10)}
+{columns([(4,)], 10)}       0.5
+{columns([(8,)], 10)}
+*SET_NODE_LIST_GENERATE_INCREMENT
+{columns([(6,), (1, 7, 3), (12, 12, 1)], 10)}
+*SET_PART_COLUMN
+{columns([(9,), (3,)], 10)}       1.0
+*SET_SOLID_GENERATE_INCREMENT
+{columns([(2,), (11, 13, 2)], 10)}"""
+    mesh = built(tmp_path, deck(sets, nodes_of(TWO), "*ELEMENT_SOLID\n" + columns(BRICKS, 8)))
+    assert {name: (nodes + 1).tolist() for name, nodes in mesh.node_sets.items()} == {
+        "left": [4, 8],
+        "nodes6": [1, 4, 7, 12],
+    }
+    assert (mesh.cell_sets["parts9"].tolist(), mesh.cell_sets["elements2"].tolist()) == ([0], [0])
+
+
 def test_tetrahedra_of_ten_nodes(tmp_path: Path) -> None:
     corners = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
     middles = [corners[[i, j]].mean(axis=0) for i, j in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))]
@@ -148,6 +182,17 @@ def test_included_files(tmp_path: Path) -> None:
         ("*ELEMENT_SPH\n1,1,0.1", r"\*ELEMENT_SPH is not read"),
         ("*ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,99", "there is no node 99"),
         ("*ELEMENT_SOLID\n1,1,1,2,3,4,5,5,5,5", "no tetrahedron, wedge or brick"),
+        ("*ELEMENT_SOLID\n1,1,1,2,3,3,5,6,7,8", "no tetrahedron, wedge or brick"),
+        (
+            "*SET_NODE_GENERAL\n1\nBOX,1",
+            r"SET_NODE_GENERAL: is not read: list its members by .SET_NODE_LIST, _COLUMN",
+        ),
+        (
+            "*SET_SEGMENT_GENERAL_TITLE\nfront\n1\nPART,1",
+            "_GENERAL_TITLE: is not read: .* by .SET_SEGMENT, or",
+        ),
+        ("*SET_SHELL_ADD\n1\n2,3", "SET_SHELL_ADD: is not read"),
+        ("*SET_NODE_LIST_GENERATE_INCREMENT\n1\n1,7,0", "goes on by 0 from 1 to 7"),
         ("*ELEMENT_SHELL\n1,1,1,2,2,2", "neither 3 or 4 corners"),
         ("*SET_NODE_LIST\n1\n1,77", "set 'nodes1' has 77"),
         ("*SET_SEGMENT\n1\n1,7,1,7", "a segment has the nodes"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import islice, pairwise
 from pathlib import Path
@@ -18,6 +18,9 @@ ENDINGS = (".k", ".key", ".dyn")
 IGNORED = ("MASS", "DISCRETE", "INERTIA", "SEATBELT", "DIRECT", "TRIM")
 """Elements, by how their keywords go on, that are no cells."""
 ELEMENTS = ("SET_SOLID", "SET_SHELL", "SET_BEAM", "SET_TSHELL")
+SETS = ("SET_NODE", "SET_PART", *ELEMENTS)
+WAYS = ("_LIST", "_COLUMN", "_GENERATE", "_GENERATE_INCREMENT")
+"""How sets may be written."""
 CURE = "write the deck with all nodes and elements of it in one file, by *NODE and *ELEMENT_SOLID, _SHELL or _BEAM"
 
 
@@ -32,6 +35,10 @@ class Card:
     def numbers(self, line: str, width: int = 0) -> list[int]:
         """Whole numbers of a line, by columns or by commas; none are zeros."""
         return [int(word) if word else 0 for word in split(line, [max(self.width, width)] * 10)]
+
+    def first(self, line: str) -> int:
+        """The whole number that a line begins with, whatever follows."""
+        return self.numbers(line.split(",")[0] if "," in line else line[: max(self.width, 10)], 10)[0]
 
 
 def split(line: str, widths: list[int]) -> list[str]:
@@ -134,9 +141,7 @@ class Reader:
     def part(self, card: Card) -> None:
         """Titles of parts, which name their cells."""
         for title, line in zip(card.lines[::2], card.lines[1::2], strict=False):
-            self.titles[
-                card.numbers(line.split(",")[0] if "," in line else line[: max(card.width, 10)], 10)[0]
-            ] = title.strip()
+            self.titles[card.first(line)] = title.strip()
 
     def solid(self, card: Card) -> None:
         """Elements of 8 nodes in a line with their number and part, or in one behind that, with 4 to 10.
@@ -189,19 +194,23 @@ class Reader:
         """Sets of nodes, parts, segments and elements, listed one by one or from the first to the last."""
         kind, lines = card.keyword, iter(card.lines)
         title = next(lines, "").strip() if kind.endswith("_TITLE") else ""
-        number = card.numbers(next(lines, "")[: max(card.width, 10)], 10)[0]
+        number = card.first(next(lines, ""))
         kind = kind.removesuffix("_TITLE")
         if kind == "SET_SEGMENT":
             rows = [card.numbers(line, 10)[:4] for line in lines]
             self.segments.append((title or f"segments{number}", rows))
             return
-        ranges = kind.endswith("_GENERATE")
-        kind = kind.removesuffix("_GENERATE").removesuffix("_LIST")
-        if kind not in ("SET_NODE", "SET_PART", *ELEMENTS):
+        kind, way = next(((kind.removesuffix(w), w) for w in WAYS if kind.endswith(w)), (kind, ""))
+        kind = kind.removesuffix("_LIST")
+        if kind not in SETS:
+            of = next((of for of in (*SETS, "SET_SEGMENT") if kind.startswith(f"{of}_")), "")
+            if of:
+                ways = "" if of == "SET_SEGMENT" else ", ".join(WAYS)
+                raise InputError(
+                    f"is not read: list its members by *{of}{ways}, or leave it out if nothing needs it"
+                )
             return
-        members = [n for line in lines for n in card.numbers(line, 10) if n]
-        if ranges:
-            members = [n for a, b in zip(members[::2], members[1::2], strict=True) for n in range(a, b + 1)]
+        ranges, members = way.startswith("_GENERATE"), list(members_of(card, lines, way))
         what = {"SET_NODE": "nodes", "SET_PART": "parts"}.get(kind, "elements")
         known = title or f"{what}{number}"
         self.sets.append((kind, known, members))
@@ -272,6 +281,28 @@ def _ignored(card: Card) -> None:
         raise InputError(f"*{card.keyword} is not read: {CURE}")
 
 
+def members_of(card: Card, lines: Iterable[str], way: str) -> Iterator[int]:
+    """Members of a set: first in their lines, by ranges, by ranges with increments in lines of their own, or all."""
+    if way == "_COLUMN":
+        yield from map(card.first, lines)
+        return
+    rows = [card.numbers(line, 10) for line in lines]
+    if way == "_GENERATE_INCREMENT":
+        for first, last, step in ([*row, 0, 0][:3] for row in rows):
+            if step < 1:
+                raise InputError(
+                    f"a range goes on by {step} from {first} to {last}: give an increment from 1 on"
+                )
+            yield from range(first, last + 1, step)
+        return
+    listed = [n for row in rows for n in row if n]
+    if way != "_GENERATE":
+        yield from listed
+        return
+    for first, last in zip(listed[::2], listed[1::2], strict=True):
+        yield from range(first, last + 1)
+
+
 def by_corners(rows: list[list[int]]) -> Mapping[str, list[list[int]]]:
     """Segments of three and four corners; of three the last is there twice, or zero."""
     found: dict[str, list[list[int]]] = {}
@@ -300,6 +331,10 @@ def solid_cell(number: int, nodes: list[int]) -> tuple[str, list[int]]:
         a, b, c, d, e, f, g, h = given
         if e == f == g == h == d:
             return "tet4", [a, b, c, d]
+        if c == d and e == f == g == h and len({a, b, c, e}) == 4:
+            return "tet4", [a, b, c, e]
         if e == f and g == h and len({a, b, c, d, e, g}) == 6:
             return "wedge6", [a, e, b, d, g, c]
+        if c == d and g == h and len({a, b, c, e, f, g}) == 6:
+            return "wedge6", [a, b, c, e, f, g]
     raise InputError(f"element {number} has nodes {given}, which is no tetrahedron, wedge or brick")
