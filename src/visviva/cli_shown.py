@@ -73,7 +73,12 @@ def movie(
         Path | None, Parameter(help="*.mp4 or *.gif; movie.mp4 in the directory if not given.")
     ] = None,
     fps: Annotated[int, Parameter(converter=whole, help="Frames per second.")] = 25,
-    speed: Annotated[float, Parameter(help="Seconds of motion per second of movie.")] = 1.0,
+    speed: Annotated[
+        float | None,
+        Parameter(
+            help="Seconds of motion per second of movie, 1 if not given; of paths states, 10 if not given."
+        ),
+    ] = None,
     field: Field = None,
     outline: Outline = False,
     camera: CameraText = None,

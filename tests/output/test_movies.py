@@ -8,6 +8,7 @@ import pytest
 from output.scenes import drawers, write
 from visviva.base.errors import InputError
 from visviva.output import Trajectory, stage
+from visviva.output.labels import Labels
 from visviva.output.movie import movie
 from visviva.output.viewer import show
 
@@ -30,6 +31,22 @@ def test_movie_has_the_right_frames(tmp_path, monkeypatch, with_pyvista):
     assert seen == [(k, 6) for k in range(1, 7)]
     with pillow.open(tmp_path / "m.gif") as gif:
         assert (gif.n_frames, gif.size) == (6, (160, 96))
+
+
+@pytest.mark.parametrize(("clock", "frames"), [("time", 51), ("state", 6)])
+def test_paths_are_shown_by_ten_states_a_second(tmp_path, monkeypatch, clock, frames):
+    pytest.importorskip("PIL.Image")
+    monkeypatch.setattr(stage, "can_render", lambda: False)
+    write(tmp_path / "t.vtkhdf", np.arange(6.0), labels=Labels(clock=clock))
+    seen = []
+    movie(
+        tmp_path / "t.vtkhdf",
+        tmp_path / "m.gif",
+        fps=10,
+        size=(64, 48),
+        progress=lambda done, total: seen.append(total),
+    )
+    assert seen == [frames] * frames
 
 
 def test_mp4_movie(tmp_path, monkeypatch):

@@ -21,6 +21,8 @@ from visviva.output.trajectory import Trajectory
 from visviva.output.view import NO_STREAMS, Scene
 
 Image = NDArray[np.uint8]
+STATES = 10.0
+"""States of a path that are shown in a second."""
 
 
 def movie(
@@ -28,7 +30,7 @@ def movie(
     file: str | Path,
     *,
     fps: int = 25,
-    speed: float = 1.0,
+    speed: float | None = None,
     field: str = "",
     limits: tuple[float, float] | None = None,
     outline: bool = False,
@@ -53,7 +55,8 @@ def movie(
     fps
         Frames per second.
     speed
-        Seconds of motion per second of movie.
+        Seconds of motion per second of movie, by default 1; of a path through limit points, whose clock counts states,
+        states per second, by default 10.
     field, limits, outline
         As for `snapshot`.
     trails
@@ -75,7 +78,7 @@ def movie(
         If the file cannot be written.
     """
     target = called(file, "movies", ".mp4", ".gif")
-    if not fps > 0 or not speed > 0:
+    if not fps > 0 or not (speed is None or speed > 0):
         raise InputError(f"a movie needs fps > 0 and speed > 0, got {fps} and {speed}")
     refuse_size(size)
     if size[0] % 2 or size[1] % 2:
@@ -87,7 +90,8 @@ def movie(
         looking = (tuple(colors), motion.camera(camera), size, coloring, shade, fluids_of(motion))
         motion_glyphs = MotionGlyphs(motion, vectors, diagram)
         scene = Scene(motion.surfaces, motion_glyphs.cloud(), *looking)
-        times = _frame_times(motion.times, speed / fps)
+        pace = speed or (STATES if motion.labels.clock == "state" else 1.0)
+        times = _frame_times(motion.times, pace / fps)
         frames = _frames(motion, scene, times, trails, motion_glyphs, progress)
         try:
             with reporting(target), replacing(target) as temporary:
