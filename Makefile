@@ -7,7 +7,7 @@ PORTABLE ?= OFF
 
 .PHONY: core test campaign lint docs
 core:  ## build the extension module in place
-	cmake -S . -B $(BUILD) -G Ninja -DVISVIVA_PORTABLE=$(PORTABLE) -DPython_EXECUTABLE=$$($(PYTHON) -c 'import sys; print(sys.executable)') >/dev/null
+	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DVISVIVA_PORTABLE=$(PORTABLE) -DPython_EXECUTABLE=$$($(PYTHON) -c 'import sys; print(sys.executable)') >/dev/null
 	cmake --build $(BUILD)
 	cmake --install $(BUILD) --component python --prefix src >/dev/null
 test: core
