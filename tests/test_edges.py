@@ -290,3 +290,36 @@ def test_runs_of_edges_are_resumed_to_the_bit(end: float, options: Any, tmp_path
     parts = run(study(0.12), tmp_path / "parts", resume=True, pictures=False)
     for name in ("x", "v"):
         np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (0.02, 0.0), (0.02, 0.03)])
+@pytest.mark.parametrize("drop", [0.0, 1e-4, 1e-3])
+def test_equal_boxes_stand_on_each_other_flush_or_not(shift: tuple[float, float], drop: float) -> None:
+    """Corners of the lower one lie at the border of the upper one's face where sides are flush: it tipped over."""
+    cube, ground = vv.Box(size=(0.1, 0.1, 0.1)), vv.Ground()
+    lower = vv.RigidBody(shape=cube, density=1e3, position=(0, 0, 0.05))
+    upper = vv.RigidBody(shape=cube, density=1e3, position=(*shift, 0.15 + drop))
+    contact = vv.Contact(first=upper, second=lower, stiffness=1e9)
+    system = vv.System(
+        [ground, lower, upper, vv.Rigid(a=ground, b=lower, at=(0, 0, 0)), contact, vv.Gravity()]
+    )
+    vv.simulate(system, until=0.2, step=2e-3)
+    sunk = np.sqrt(2 * 9.81 * drop) * 2e-3 + 1e-9  # by what comes near in a step
+    assert vv.Position(of=upper)(system) == pytest.approx([*shift, 0.15], abs=2 * sunk)
+    assert vv.AngularVelocity(of=upper)(system) == pytest.approx([0, 0, 0], abs=1e-9)
+    assert vv.ContactForce(contact=contact)(system)[2] == pytest.approx(9.81, rel=1e-9)
+
+
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_a_flush_box_slides_by_coulomb(exchanged: bool) -> None:
+    """It stops after v^2 / (2 mu g)."""
+    cube, ground, speed, mu = vv.Box(size=(0.1, 0.1, 0.1)), vv.Ground(), 0.3, 0.3
+    lower = vv.RigidBody(shape=cube, density=1e3, position=(0, 0, 0.05))
+    upper = vv.RigidBody(shape=cube, density=1e3, position=(0.02, 0, 0.15), velocity=(0, speed, 0))
+    pair = {"first": lower, "second": upper} if exchanged else {"first": upper, "second": lower}
+    contact = vv.Contact(**pair, stiffness=1e9, friction=mu)
+    clamp = vv.Rigid(a=ground, b=lower, at=(0, 0, 0))
+    system = vv.System([ground, lower, upper, clamp, contact, vv.Gravity()])
+    vv.simulate(system, until=0.2, step=5e-4)
+    way = speed**2 / (2 * mu * 9.81)
+    assert vv.Position(of=upper)(system)[1] == pytest.approx(way, rel=5e-3)

@@ -10,7 +10,9 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 
-constexpr double parallel = 1e-2;  // sine of an angle below which edges do not cross
+constexpr double parallel = 1e-2;   // sine of an angle below which edges do not cross
+constexpr double at_border = 1e-6;  // part of its size by which corners may be beside a face: flush bodies
+constexpr double shallow = 0.04;  // part of the depth that is seen by which corners at a border may be in it
 
 }  // namespace
 
@@ -114,7 +116,7 @@ bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m,
 
 // What is nearer to the end of an edge, or to the border of a face, than half as deep leaves past that, and
 // by what touches there: so does the vertical edge of a box that has sunk a little into the one that it
-// stands on.
+// stands on. Corners a little deep at a border stay: those of a box below one that stands flush on it.
 bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double sine) const {
     const Meeting m = meeting(X, pair);
     if (m.sine < parallel || std::abs(m.distance) > depth_) return false;
@@ -123,7 +125,8 @@ bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double 
     const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
     const double in = inside(X, face(pair.number), foot, -m.normal);
     const double size = (At(X + 3 * v[1]) - At(X + 3 * v[0])).norm();
-    if (in < -beyond * size || (beyond <= 0 && -m.distance > 2 * in)) return false;
+    if (in < -std::max(beyond, at_border) * size) return false;
+    if (beyond <= 0 && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
     return corner_looks(X, corner(pair.number), m.normal, sine);
 }
 
