@@ -234,3 +234,36 @@ def test_foreign_files_are_not_overwritten(tmp_path: Path) -> None:
         run(study(), tmp_path, pictures=False)
     assert (tmp_path / "picture.png").read_text() == "mine"
     assert RunDirectory(tmp_path).earlier == ()
+
+
+def lose(how: str, folder: Path) -> None:
+    """What may happen to a directory while a run writes in it."""
+    if how == "emptied":
+        for file in folder.iterdir():
+            file.unlink()
+    elif how == "moved":
+        folder.rename(folder.with_name("elsewhere"))
+    else:
+        (folder / how).rename(folder / "old")
+        (folder / how).write_bytes((folder / "old").read_bytes())
+
+
+@pytest.mark.parametrize(
+    "how", ["emptied", "moved", "ledger.csv", "probes.csv", "states.npy", "trajectory.vtkhdf"]
+)
+def test_files_that_are_lost_during_a_run_are_told(how: str, tmp_path: Path) -> None:
+    """Not called done, and no state is left that goes with nothing."""
+    ball, calls = vv.PointMass(mass=1.0, velocity=(1, 0, 0)), 0
+
+    def place(system: vv.System) -> float:
+        nonlocal calls
+        calls += 1
+        if calls == 6:
+            lose(how, tmp_path / "run")
+        return 0.0
+
+    with pytest.raises(vv.RunError, match=r"was moved, removed or replaced while the run wrote it"):
+        run(vv.Study(vv.System([ball]), 0.1, 0.01, probes={"x": place}), tmp_path / "run", pictures=False)
+    assert not (tmp_path / "run" / "summary.json").exists()
+    if how in ("emptied", "moved"):
+        assert not (tmp_path / "run" / "state.h5").exists()

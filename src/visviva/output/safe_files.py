@@ -62,6 +62,27 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
+def holds(path: Path, descriptor: int) -> bool:
+    """Whether an open file is the one that has the name now."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path))
+    except FileNotFoundError:
+        return False
+
+
+def settle(path: Path, descriptor: int) -> None:
+    """Make sure that what is written outlives a loss of power, and is in the file that has the name now.
+
+    Raises
+    ------
+    RunError
+        If it is not, so that what was written is lost or elsewhere.
+    """
+    os.fsync(descriptor)
+    if not holds(path, descriptor):
+        raise RunError(f"{path} was moved, removed or replaced while the run wrote it: put it back to go on")
+
+
 def write_at(descriptor: int, data: bytes | memoryview, offset: int) -> None:
     """Write all of `data` at byte `offset` of an open file; raise `OSError` if the disk is full."""
     view = memoryview(data).cast("B")

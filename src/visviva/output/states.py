@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.output.safe_files import replacing, reporting, write_at
+from visviva.output.safe_files import replacing, reporting, settle, write_at
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -167,7 +167,7 @@ class StateFile:
     def sync(self) -> None:
         """Make sure that what is written outlives a loss of power."""
         with reporting(self.path):
-            os.fsync(self._descriptor)
+            settle(self.path, self._descriptor)
 
     def close(self) -> None:
         """Close the file; no more rows are appended, and reading opens it. Closing twice is harmless."""

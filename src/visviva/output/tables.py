@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.output.labels import with_unit, without_unit
-from visviva.output.safe_files import replacing, reporting, write_at
+from visviva.output.safe_files import replacing, reporting, settle, write_at
 
 LOAD = "load_parameter"
 """The clock of statics, in files."""
@@ -150,7 +150,7 @@ class Table:
     def sync(self) -> None:
         """Make sure that what is written outlives a loss of power."""
         with reporting(self.path, self._last_time):
-            os.fsync(self._descriptor)
+            settle(self.path, self._descriptor)
 
     def close(self) -> None:
         """Close the file; closing twice is harmless."""

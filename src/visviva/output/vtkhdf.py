@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError
 from visviva.output import layout as _layout
 from visviva.output.labels import Labels
-from visviva.output.safe_files import replacing, reporting
+from visviva.output.safe_files import holds, replacing, reporting, settle
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -143,13 +143,13 @@ class TrajectoryWriter:
         """Make sure that what is written outlives a loss of power."""
         if self._descriptor >= 0:
             with reporting(self.path, self._last_time):
-                os.fsync(self._descriptor)
+                settle(self.path, self._descriptor)
 
     def close(self) -> None:
         """Close the file, giving back the room that was not needed; closing twice is harmless."""
         if self._layout is None or self._descriptor < 0:
             return
-        if self._layout.capacity > self.n_steps:
+        if self._layout.capacity > self.n_steps and holds(self.path, self._descriptor):
             with suppress(OSError, InputError), Trajectory(self.path) as written:  # without it, as good
                 self._rebuild(self.n_steps, _blocks(written, self.n_steps))
         os.close(self._descriptor)
