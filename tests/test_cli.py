@@ -349,6 +349,23 @@ def test_failed_step_keeps_state_and_files(cli: Run, monkeypatch: pytest.MonkeyP
     assert len(read_table("runs/crane.yaml/ledger.csv")["time"]) == 1
 
 
+@pytest.mark.parametrize(
+    ("wish", "probe"),
+    [
+        ("pictures: { field: von_mises }", ""),
+        ("", "bad: { Formula: { formula: 1/0*p_x, of: { p: { Position: { of: ball } } } } }"),
+    ],
+)
+def test_what_run_refuses_check_refuses(cli: Run, tmp_path: Path, wish: str, probe: str) -> None:
+    """In the same words: check passed what run then refused."""
+    file = tmp_path / "scene.yaml"
+    text = "system: { ball: { PointMass: { mass: 1, velocity: [1, 0, 0] } } }\nrun: { until: 1, step: 0.1 }\n"
+    file.write_text(f"{text}{wish}\n" + (f"probes: {{ {probe} }}\n" if probe else ""))
+    told = [cli("check", file), cli("run", file, "--out", tmp_path / "run")]
+    assert [code for code, _, _ in told] == [2, 2]
+    assert told[0][2] == told[1][2] != ""
+
+
 def test_failed_check_exits_with_1(cli: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def check(result: vv.Result) -> None:
         result.assert_conserved("momentum_z")

@@ -145,12 +145,15 @@ def check(
     trust: Trust = False,
     allow_outside: Outside = False,
 ) -> int:
-    """Compose an example or a scene file and check it without running."""
+    """Compose an example or a scene file and check it without running; what run would refuse is refused."""
     from visviva.scene.gallery import assignments
+    from visviva.study.run import rehearse
 
     source = compose(model, assignments(settings), {}, trust=trust, allow_outside=allow_outside)
     print(source.study.title or source.name)
     print(source.study.system.check())
+    sys.stdout.flush()
+    rehearse(source.study)
     return 0
 
 

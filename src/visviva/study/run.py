@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from visviva.analysis.march import checked_times
+from visviva.analysis.march import begin, checked_times
 from visviva.base.arguments import number, positive
 from visviva.base.deadline import Deadline
 from visviva.base.errors import InputError
@@ -20,7 +20,7 @@ from visviva.base.world import world
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
 from visviva.study.profile import Profile, profile_text
-from visviva.study.study import Study
+from visviva.study.study import Study, probe_columns
 from visviva.system.turn import alone
 
 if TYPE_CHECKING:
@@ -137,7 +137,6 @@ def run(
         files = RunDirectory.open(directory)
     else:
         refuse_early_end(study)
-        system.clock.refuse_short(study.until, study.step, system.stepper.is_given)
         files = RunDirectory(Path(directory))
     is_first = world().rank == 0  # which writes
     recording: type[Recorder] = Recorder if is_first else Follower
@@ -204,3 +203,15 @@ def refuse_early_end(study: Study) -> None:
     """Refuse an end that is not after the start."""
     if not study.until > study.system.time:
         raise InputError(f"end time until = {study.until} is not after the start at {study.system.time:g}")
+    study.system.clock.refuse_short(study.until, study.step, study.system.stepper.is_given)
+
+
+def rehearse(study: Study) -> None:
+    """Refuse what `run` refuses before its first step (times, start, pictures, probes); writes nothing."""
+    from visviva.study.shown import draw
+
+    settle_times(study)
+    refuse_early_end(study)
+    begin(study.system, study.scheme, step=study.step)
+    draw(study)
+    probe_columns(study)
