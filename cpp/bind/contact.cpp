@@ -120,6 +120,20 @@ void bind_skin(nb::module_& m) {
             all.push_back(s.behind), all.push_back(s.ahead);
         return handed_over(all);
     });
+    m.def(
+        "unseen",
+        [](int dim, const Doubles& own, const Ints& own_facets, const Doubles& own_behind,
+           const Doubles& other, const Ints& other_facets, const Doubles& other_behind, const Ints& touched,
+           double reach) {
+            auto side = [](const Doubles& X, const Ints& facets, const Doubles& behind) {
+                return Side{vector_of<double>(X), vector_of<int>(facets), vector_of<double>(behind)};
+            };
+            return handed_over(find_unseen(dim, side(own, own_facets, own_behind),
+                                           side(other, other_facets, other_behind), vector_of<int>(touched),
+                                           reach));
+        },
+        nb::arg("dim"), nb::arg("own"), nb::arg("own_facets"), nb::arg("own_behind"), nb::arg("other"),
+        nb::arg("other_facets"), nb::arg("other_behind"), nb::arg("touched"), nb::arg("reach"));
 }
 
 void bind_gaps(nb::module_& m) {

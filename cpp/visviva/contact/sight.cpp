@@ -13,6 +13,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
+constexpr double alike = 0.5;   // cosine of the angle up to which facets of two bodies do not face each other
 constexpr double slack = 1e-9;  // rays through edges meet one of the simplices beside it
 
 // Where a ray meets a simplex, as a distance along it; infinite if it does not.
@@ -58,6 +59,22 @@ class Rays {
             return hit.distance;
         });
         return hit;
+    }
+
+    // Whether a facet is within a distance of x that is chosen and does not look along a normal.
+    template <class Chosen>
+    bool near(const Vector3& x, const Vector3& normal, double distance, Chosen chosen) const {
+        Box box;
+        for (int i = 0; i < 3; ++i) box.low[i] = x[i] - distance, box.high[i] = x[i] + distance;
+        std::vector<int> found;
+        tree_.query(box, found);
+        return std::any_of(found.begin(), found.end(), [&](int f) {
+            for (int s = 0; chosen(f) && s < shapes_[f].n_simplices(); ++s)
+                if (shapes_[f].normal(s).dot(normal) < alike &&
+                    closest(shapes_[f], s, x).distance <= distance)
+                    return true;
+            return false;
+        });
     }
 
     const FacetShape& shape(int f) const { return shapes_[f]; }
@@ -116,6 +133,23 @@ std::vector<Sight> find_sights(int dim, const std::vector<double>& X, const std:
         if (farthest > 0) sights[f].ahead = farthest;
     });
     return sights;
+}
+
+std::vector<double> find_unseen(int dim, const Side& own, const Side& other, const std::vector<int>& touched,
+                                double reach) {
+    const Rays mine(dim, own.X, own.facets), rays(dim, other.X, other.facets);
+    std::vector<double> depths(mine.n(), 0.0);
+    parallel_for(mine.n(), [&](int f) {
+        each_sample(mine.shape(f), [&](const Vector3& x, const Vector3& n) {
+            const Rays::Hit out = rays.first(-1, x, -n, true);
+            if (out.facet < 0 || !touched[out.facet]) return;
+            const double seen = std::min(reach, deepest(own.behind[f], other.behind[out.facet]));
+            if (out.distance <= seen || rays.first(-1, x, -n, false).distance <= out.distance) return;
+            if (!rays.near(x, n, seen, [&](int g) { return touched[g]; }))
+                depths[f] = std::max(depths[f], out.distance);
+        });
+    });
+    return depths;
 }
 
 double deepest(double one, double two) {

@@ -37,6 +37,7 @@ from visviva.contact.doubles import refuse_doubles
 from visviva.contact.edges import edges_of
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
+from visviva.contact.unseen import refuse_unseen
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
@@ -113,11 +114,12 @@ class Contact(Component):
         Traction per slip; of the penalty, or of the augmentation of multipliers, where it changes no result. By
         default that of a layer of elements, ten times that for a penalty.
     initial : {'touch', 'press', 'resolve'}
-        'touch': surfaces that overlap at the start are refused. 'press': the overlap of a press fit, which contact
-        pushes out; in dynamics that adds energy, in the ledger's share of contact; rigid bodies are pushed out in the
-        first step, with the velocity that this takes, beside what impacts leave; of curved surfaces the overlap is that
-        of the flat facets between nodes, so that pressures scatter where unlike meshes sag by as much as they overlap
-        (refine, or let the meshes match). 'resolve': nodes of solids are moved
+        'touch': surfaces that overlap at the start are refused; whatever is given, so are those that lie deeper in the
+        other body than contact sees, by `reach` or half of the thicknesses. 'press': the overlap of a press fit, which
+        contact pushes out; in dynamics that adds energy, in the ledger's share of contact; rigid bodies are pushed out
+        in the first step, with the velocity that this takes, beside what impacts leave; of curved surfaces the overlap
+        is that of the flat facets between nodes, so that pressures scatter where unlike meshes sag by as much as they
+        overlap (refine, or let the meshes match). 'resolve': nodes of solids are moved
         apart, by the smallest move weighted by mass, and are free of stress in their new places; `moved` says how far.
     reach : float
         Facets farther apart than this are no candidates; by default the size of the largest facet. Whatever it is,
@@ -254,7 +256,7 @@ class Contact(Component):
         multipliers, sticks = self.enforcement == "multipliers", self.tangential == "multipliers"
         rubs = self.friction > 0
         gaps = self._gaps(model.length)
-        self.size, self._facing, self._turns = gaps.size, gaps.opposite, gaps.turns
+        self.size, self._facing, self._turns, self._reach = gaps.size, gaps.opposite, gaps.turns, gaps.reach
         self._width = self._find_width()
         spans = float(np.ptp(self.places, axis=0).max())
         alone = spans or self._radius or model.length  # of points that have no facets
@@ -313,16 +315,18 @@ class Contact(Component):
 
     def start(self, state: State, scheme: Scheme) -> None:
         check_schemes(self, scheme)
-        if self._started or self.initial == "press":
+        if self._started:
             return
         self._started = True
         if not state.is_given:
             return
-        state.core.find_neighbours()
-        state.evaluate_ledger()
-        refuse_overlap(self, positions(self._surface, state.x))
-        if self._edges:
-            self._edges.refuse_overlap(DEEP * self.extent)
+        if self.initial != "press":
+            state.core.find_neighbours()
+            state.evaluate_ledger()
+            refuse_overlap(self, positions(self._surface, state.x))
+            if self._edges:
+                self._edges.refuse_overlap(DEEP * self.extent)
+        refuse_unseen(self, self._reach, state.x)
 
     @property
     def _layer(self) -> Layer:

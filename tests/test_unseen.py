@@ -1,0 +1,88 @@
+"""Bodies that lie in each other at the start, deeper than contact sees, are refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+RUBBER = vv.NeoHooke(young=1e6, poisson=0.3)
+
+
+def block(size: tuple[float, ...], counts: tuple[int, ...], origin: tuple[float, ...]) -> vv.Solid:
+    plane = len(size) == 2
+    mesh: Any = vv.RectangleMesh if plane else vv.BoxMesh
+    return vv.Solid(mesh=mesh(size=size, counts=counts, origin=origin), material=RUBBER, density=1000.0)
+
+
+def started(*bodies: vv.Component, **given: Any) -> vv.Result:
+    """One step of contact of the first of the bodies with the second."""
+    contact = vv.Contact(first=bodies[0], second=bodies[1], **given)
+    return vv.simulate(vv.System([*bodies, contact]), until=1e-3, step=1e-3)
+
+
+@pytest.mark.parametrize("initial", ["touch", "press", "resolve"])
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+@pytest.mark.parametrize("depth", [0.2, 0.3, 0.8])
+def test_blocks_deeper_in_each_other_than_the_reach(initial: str, formulation: str, depth: float) -> None:
+    """Of 0.2, the size of a facet; they fell through each other."""
+    given = {"initial": initial, "formulation": formulation}
+    upper, lower = block((1, 0.5), (6, 3), (-0.5, -depth)), block((2, 1), (10, 5), (-1, -1))
+    with pytest.raises(vv.InputError, match="overlap"):
+        started(upper, lower, first_faces="y0", second_faces="y1", **given)
+
+
+@pytest.mark.parametrize("faces", ["named", "all"])
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_a_small_block_in_a_large_one(faces: str, exchanged: bool) -> None:
+    """Whichever of them is first; by half of it, between nodes of the large one."""
+    small, large = block((0.2,) * 3, (1, 1, 1), (0.1, 0.1, 0.5)), block((1,) * 3, (2, 2, 2), (0, 0, 0))
+    which = {"first_faces": "z0", "second_faces": "z1"} if faces == "named" else {}
+    bodies = [small, large]
+    if exchanged:
+        bodies, which = bodies[::-1], dict(zip(which, reversed(which.values()), strict=True))
+    with pytest.raises(
+        vv.InputError, match=r"'solid-\d' and Solid 'solid-\d' overlap by .*the reach of 0\.1"
+    ):
+        started(*bodies, reach=0.1, **which)
+
+
+@pytest.mark.parametrize("shape", [vv.Sphere(radius=0.25), vv.Box(size=(1, 1, 0.5))])
+def test_rigid_bodies_in_a_solid(shape: Any) -> None:
+    body = vv.RigidBody(shape=shape, density=1000.0, position=(0, 0, -0.55))
+    solid = block((2, 2, 1), (10, 10, 5), (-1, -1, -1))
+    with pytest.raises(vv.InputError, match=r"'rigidbody-1' and Solid 'solid-1' overlap by .* at the start"):
+        started(body, solid, second_faces="z1")
+
+
+def test_press_fits_as_deep_as_the_reach_given_start() -> None:
+    """Which the message says; beside it, what faces in contact do not lead out of is no matter of theirs."""
+    upper, lower = (block((1, 1), (5, 5), (0, y)) for y in (0.95, 0.0))
+    started(upper, lower, first_faces="y0", second_faces="y1", initial="press")
+    with pytest.raises(vv.InputError, match=r"initial='press' and a reach above 0\.05"):
+        started(
+            *(block((1, 1), (5, 5), (0, y)) for y in (0.95, 0.0)),
+            first_faces="y0",
+            second_faces="y1",
+            initial="press",
+            reach=0.01,
+        )
+    pin, plate = block((0.2, 1), (2, 10), (0.4, -0.5)), block((1, 1), (5, 5), (0, 0))
+    started(pin, plate, first_faces="x1", second_faces="x1")
+
+
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+def test_what_touches_starts(formulation: str) -> None:
+    """By all faces: thin plates on each other, and a shell on them."""
+    upper, lower = (block((1, 1, 0.02), (k, k, 1), (0, 0, z)) for k, z in ((3, 0.02), (5, 0.0)))
+    started(upper, lower, formulation=formulation)
+    flat = vv.RectangleMesh(size=(0.8, 0.8), counts=(3, 3), origin=(0.1, 0.1)).build()
+    mesh = vv.Mesh(
+        points=np.pad(flat.points, ((0, 0), (0, 1)), constant_values=0.025), cells=dict(flat.cells)
+    )
+    section = vv.HomogeneousSection(young=1e6, poisson=0.3, thickness=0.01, density=1000.0)
+    shell, plate = vv.Shell(mesh=mesh, section=section), block((1, 1, 0.02), (5, 5, 1), (0, 0, 0))
+    started(shell, plate, formulation=formulation)
