@@ -135,5 +135,5 @@ TEST_CASE("materials: energies of several fields are wrapped like those of mater
     Potential<12> whole;
     viscous.evaluate<false>(e, whole);
     CHECK(std::abs(whole.s[2][0]) < 1e-12);
-    CHECK(at.W[0] == doctest::Approx(whole.W[0]).epsilon(1e-13));
+    CHECK(+at.W[0] == doctest::Approx(whole.W[0]).epsilon(1e-13));
 }

@@ -87,7 +87,7 @@ static void check_map() {
     };
     const MatrixXd rows = by_differences(strains, y, 1e-3);
     for (int k = 0; k < n_e; ++k) {
-        CHECK(e[k][0] == doctest::Approx(exact[k]).epsilon(1e-13));
+        CHECK(+e[k][0] == doctest::Approx(exact[k]).epsilon(1e-13));
         for (int j = 0; j < n_y; ++j) CHECK(std::abs(B[n_y * k + j][0] - rows(k, j)) < 1e-9);
     }
 }
@@ -111,8 +111,8 @@ TEST_CASE("point: internal variables relax as in closed form, and never gain") {
     for (int k = 0; k < 100; ++k) {
         V lost;
         CHECK(all(evolve<false>(energy, step, W, e0, e1, et, s, T, lost)));
-        CHECK(lost[0] > 0);
+        CHECK(+lost[0] > 0);
         for (int i = 6; i < 12; ++i) e0[i] = e1[i];
     }
-    CHECK(e1[6][0] == doctest::Approx(-1e-6 * (1 - std::exp(-2.0))).epsilon(1e-4));
+    CHECK(+e1[6][0] == doctest::Approx(-1e-6 * (1 - std::exp(-2.0))).epsilon(1e-4));
 }

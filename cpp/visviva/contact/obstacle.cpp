@@ -80,7 +80,7 @@ class Obstacle : public PointGaps {
         return {stencils_[A].begin() + 1, stencils_[A].begin() + 5};
     }
     double way(const double* from, const double* to, int vertex) const override {
-        return (place(to, vertex) - place(from, vertex)).norm();
+        return (local(to, vertex) - local(from, vertex)).norm();
     }
     bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;
@@ -89,8 +89,8 @@ class Obstacle : public PointGaps {
     bool are_same(const double*, int side, int other) const override { return side == other; }
 
   private:
-    Vector3 place(const double* X, const Vector3& x) const;
-    Vector3 place(const double* X, int vertex) const { return place(X, At(X + 3 * vertex)); }
+    Vector3 local(const double* X, const Vector3& x) const;
+    Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
     bool reaches(const double* from, const double* to, int vertex) const;
     bool turns() const { return !options_.turning.empty(); }  // a ball that rubs
     // Balls whose middle is just above an edge come in from above.
@@ -110,7 +110,7 @@ bool Obstacle::search(const double*, const double*) {
     return true;
 }
 
-Vector3 Obstacle::place(const double* X, const Vector3& x) const {
+Vector3 Obstacle::local(const double* X, const Vector3& x) const {
     const double* frame = X + 3 * (skin_.n_vertices() - 4);
     const At o(frame);
     Vector3 y;
@@ -135,7 +135,7 @@ void Obstacle::approaches(const double* from, const double* to, std::vector<Appr
 bool Obstacle::reaches(const double* from, const double* to, int A) const {
     const bool round = shape_.core == ObstacleShape::cylinder;
     const double *frame0 = from + 3 * (skin_.n_vertices() - 4), *frame1 = to + 3 * (skin_.n_vertices() - 4);
-    const Vector3 start = place(from, A), way = place(to, A) - start;
+    const Vector3 start = local(from, A), way = local(to, A) - start;
     const Vector3 arm = At(to + 3 * A) - At(frame1) - (At(from + 3 * A) - At(frame0));
     double begin = 0, end = 1;
     for (int i = 0; i < 3; ++i) {
@@ -157,30 +157,30 @@ bool Obstacle::reaches(const double* from, const double* to, int A) const {
 bool Obstacle::is_inside(const double* X, int A) const {
     if (shape_.core == ObstacleShape::half_space) return false;
     Scalar q[3];
-    const Vector3 y = place(X, A);
+    const Vector3 y = local(X, A);
     // most are outside, and by more than what nudging them may change
     constexpr double far = 1e-2;
     if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return false;
-    const Vector3 inner = place(X, nudged(X, A));
+    const Vector3 inner = local(X, nudged(X, A));
     const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
     return deepest(q, excesses(shape_, inner, q))->v < touching;
 }
 
 int Obstacle::nearest_side(const double* X, int A) const {
     Scalar q[3];
-    const int n = excesses(shape_, place(X, nudged(X, A)), q);
+    const int n = excesses(shape_, local(X, nudged(X, A)), q);
     return static_cast<int>(deepest(q, n) - q);
 }
 
 double Obstacle::depth(const double* X, int A, int side) const {
     Scalar q[3];
-    excesses(shape_, place(X, A), q);
+    excesses(shape_, local(X, A), q);
     return -q[side].v;
 }
 
 // The core is convex: it is the side that the vertex passes last.
 int Obstacle::entrance(const double* from, const double* to, int A) const {
-    const Vector3 start = place(from, nudged(from, A)), end = place(to, nudged(to, A));
+    const Vector3 start = local(from, nudged(from, A)), end = local(to, nudged(to, A));
     double latest = 0;
     int side = Sides::nearest;
     Scalar q[3];
