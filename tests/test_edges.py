@@ -323,3 +323,54 @@ def test_a_flush_box_slides_by_coulomb(exchanged: bool) -> None:
     vv.simulate(system, until=0.2, step=5e-4)
     way = speed**2 / (2 * mu * 9.81)
     assert vv.Position(of=upper)(system)[1] == pytest.approx(way, rel=5e-3)
+
+
+def comb(teeth: int) -> vv.SurfaceMesh:
+    """Roofs with ridges at z = 0 along y, side by side on a plate."""
+    x = np.linspace(-0.05 * teeth, 0.05 * teeth, 2 * teeth + 1)
+    profile = [(c, -0.05 if k % 2 == 0 else 0.0) for k, c in enumerate(x)]
+    base = [(c, -0.1) for c in x]
+    points = [(c, y, z) for y in (-0.5, 0.5) for c, z in (*profile, *base)]
+    n, half = len(x), 2 * len(x)
+    cap = [t for k in range(n - 1) for t in ((k, n + k, n + k + 1), (k, n + k + 1, k + 1))]
+    around = [*range(n), *range(half - 1, n - 1, -1)]
+    sides = [(a, b) for a, b in zip(around, (*around[1:], around[0]), strict=True)]
+    triangles = [*((a, b, c) for a, b, c in cap), *((c + half, b + half, a + half) for a, b, c in cap)]
+    triangles += [t for a, b in sides for t in ((a, b, b + half), (a, b + half, a + half))]
+    mesh = vv.SurfaceMesh(points=points, triangles=triangles)
+    return mesh if mesh.volume > 0 else vv.SurfaceMesh(points=points, triangles=[t[::-1] for t in triangles])
+
+
+def combs(teeth: int, height: float, **options: Any) -> tuple[list[Any], vv.RigidBody]:
+    """One that lies across another, so high above it."""
+    ground, shape = vv.Ground(), comb(teeth)
+    lower = vv.RigidBody(shape=shape, density=1e3)
+    over = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]])
+    upper = vv.RigidBody(shape=shape, density=1e3, rotation=over, position=(0, 0, height))
+    contact = vv.Contact(first=upper, second=lower, stiffness=1e6, **options)
+    clamp = vv.Rigid(a=ground, b=lower, at=(0, 0, 0))
+    return [ground, lower, upper, contact, clamp, vv.Gravity()], upper
+
+
+@pytest.mark.parametrize("teeth", [1, 2, 4])
+def test_ridges_that_cross_at_many_places_are_as_many_springs(teeth: int) -> None:
+    """Of more than eight all but eight were left out, and 16 made energy."""
+    parts, upper = combs(teeth, 0.0, enforcement="penalty")
+    guide = vv.Prismatic(a=parts[0], b=upper, at=(0, 0, 0), axis=(0, 0, 1))
+    system = vv.System([*parts, guide])
+    before = vv.Position(of=upper)(system)[2]
+    vv.quasi_static(system, until=1.0, step=0.25)
+    sunk = before - vv.Position(of=upper)(system)[2]
+    assert sunk == pytest.approx(9.81 * 1e3 * upper.shape.volume / (1e6 * teeth**2), rel=1e-6)
+
+
+def test_ridges_that_cross_at_many_places_keep_their_energy() -> None:
+    parts, _ = combs(4, 1e-4, enforcement="penalty")
+    result = vv.simulate(vv.System(parts), until=0.1, step=1e-3)
+    result.assert_conserved("energy", tolerance=1e-10)
+
+
+def test_more_ridges_than_multipliers_hold_are_refused() -> None:
+    parts, _ = combs(5, 1e-5)
+    with pytest.raises(vv.StepFailure, match="meet at 25 places at once, of which 24 can be held"):
+        vv.simulate(vv.System(parts), until=0.1, step=1e-3)

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 #include "visviva/contact/contact_term.hpp"
 
@@ -15,6 +16,11 @@ constexpr double most_parts = 100;  // of a step, at which surfaces are looked a
 
 Refusal ContactTerm::refuse(const Context& c) {
     const Stopwatch watch(costs_.search);
+    if (gaps_->unheld() > 0)
+        return refused(0, "edges and corners meet at " + std::to_string(gaps_->n() + gaps_->unheld()) +
+                              " places at once, of which " + std::to_string(gaps_->n()) +
+                              " can be held: cut the bodies into some that are joined by Rigid, each with a "
+                              "contact of its own, or take enforcement='penalty', which holds more,");
     gaps_->skin().positions(c.vectors.x0, X0_), gaps_->skin().positions(c.vectors.x1, X1_);
     if (const int v = search_.lost(X1_); v >= 0)
         return refused(v, "the surfaces moved farther in the step than their search had reached,");

@@ -48,6 +48,8 @@ class Gaps {
     const Skin& skin() const { return skin_; }
     /// Gaps are numbered like the vertices of the first surface, but for those of sharp parts.
     int n() const { return n_; }
+    /// How many places that meet where a step begins have no gap of their own.
+    int unheld() const { return unheld_; }
     /// Vertices of the first surface, which come before all others.
     virtual int n_first() const { return n_; }
     /// How many of them in turn are of the same vertices.
@@ -126,7 +128,7 @@ class Gaps {
         masses.segment<4>(origin) << heavy, 1, 1, 1;
     }
     Skin skin_;
-    int n_ = 0;
+    int n_ = 0, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
 };
 

@@ -104,6 +104,8 @@ void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
 bool SharpGaps::settle(const double* X) {
     std::vector<Candidate> found;
     find(X, found);
+    const auto meets = [](const Candidate& c) { return c.held.meets; };
+    unheld_ = std::max(0, static_cast<int>(std::count_if(found.begin(), found.end(), meets)) - n_);
     if (static_cast<int>(found.size()) > n_) found.resize(n_);
     std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
         return a.held.pair.number < b.held.pair.number;

@@ -133,7 +133,8 @@ class Contact(Component):
     multipliers, and are refused. See :doc:`/theory/contact`.
 
     Between rigid bodies the vertices of `first` touch, and where both touch by their whole surfaces also edges that
-    cross and corners of `second` in faces of `first`: those as sharp as 30 degrees and convex, at most eight at once.
+    cross and corners of `second` in faces of `first`: those as sharp as 30 degrees and convex; steps in which
+    more of them meet than are held (8 of boxes, 24 of others, 64 by a penalty) are refused.
     `forces` have their share, `pressures` are those of vertices. By mortar means over the facets of `first` touch,
     which corners of what does not lie flat pass by. Edges and corners of `second` against what is round are not seen.
     Steps in which bodies sink into each other beside their gaps, by a hundredth of their least width, fail and say so:

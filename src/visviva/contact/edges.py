@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-AT_ONCE = 8
-"""So many pairs of two bodies may touch at once: those of edges of two squares that lie on each other."""
+AT_ONCE, OF_MANY, BY_PENALTY = 8, 24, 64
+"""So many pairs of two bodies may touch at once: those of edges of two squares that lie on each other, by multipliers
+of bodies with more edges than a box, and where none of them costs an unknown. Steps in which more do are refused."""
+SIMPLE = 12
+"""Edges of a box."""
 DEEP = 0.5
 """Part of the least width of both bodies by which edges may be in each other and know it."""
 
@@ -44,6 +47,8 @@ class Edges:
 
     def __init__(self, contact: Contact, sides: tuple[Surface, Surface], parts: tuple[Parts, Parts]) -> None:
         self._contact, self._sides, self._parts = contact, sides, parts
+        simple = max(len(part.edges) for part in parts) <= SIMPLE
+        self._n = BY_PENALTY if contact.enforcement == "penalty" else AT_ONCE if simple else OF_MANY
         self.term: _core.ContactTerm
 
     def declare(self, model: Model) -> None:
@@ -52,10 +57,10 @@ class Edges:
         none = np.zeros(0, dtype=np.int32)
         self._multipliers = self._along = none
         if contact.enforcement == "multipliers":
-            field = model.field(contact, "edge pressure", np.zeros(AT_ONCE), role=role, stage=1)
+            field = model.field(contact, "edge pressure", np.zeros(self._n), role=role, stage=1)
             self._multipliers = np.array(field.unknowns, dtype=np.int32)
         if contact.friction > 0 and contact.tangential == "multipliers":
-            field = model.field(contact, "edge traction", np.zeros((AT_ONCE, 2)), role=role, stage=1)
+            field = model.field(contact, "edge traction", np.zeros((self._n, 2)), role=role, stage=1)
             self._along = np.array(field.unknowns[::2], dtype=np.int32)
 
     def contribute(
@@ -66,8 +71,8 @@ class Edges:
         n = len(first.forms)
         least = min(narrowest(side) for side in self._sides)
         pair = skin(first, second, sees=False)
-        gaps = _core.sharp_gaps(pair, self._pairs(n), n, AT_ONCE, DEEP * least, reach)
-        ones = np.ones(AT_ONCE)
+        gaps = _core.sharp_gaps(pair, self._pairs(n), n, self._n, DEEP * least, reach)
+        ones = np.ones(self._n)
         self.term = _core.ContactTerm(
             gaps,
             reach,
@@ -119,7 +124,7 @@ class Edges:
 
     @property
     def depths(self) -> Array:
-        """By how much edges are in each other (AT_ONCE,) at the end of the last step."""
+        """By how much edges are in each other (n,) at the end of the last step."""
         return np.where(self.term.areas > 0, np.maximum(-self.term.gaps, 0.0), 0.0)
 
     def without_tangent(self, size: float) -> str:

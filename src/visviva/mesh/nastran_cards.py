@@ -120,12 +120,14 @@ def _lines(path: Path, within: Path | None, depth: int = 0) -> Iterator[Line]:
                 yield where, line
                 continue
             name = raw.strip()[7:].strip()
-            while name[:1] in "'\"" and name.count(name[0]) == 1:
+            if not name:
+                raise InputError(f"{where}: INCLUDE names no file")
+            while name[:1] in ("'", '"') and name.count(name[0]) == 1:
                 more = next(numbered, None)
                 if more is None:
                     raise InputError(f"{where}: INCLUDE has a name without an end")
                 name += more[1].strip()
-            name = name.split(name[0])[1] if name[:1] in "'\"" else name.split("$")[0].strip()
+            name = name.split(name[0])[1] if name[:1] in ("'", '"') else name.split("$")[0].strip()
             yield from _lines(included(path.parent / name, path, within, depth + 1), within, depth + 1)
 
 
