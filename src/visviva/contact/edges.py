@@ -14,7 +14,7 @@ from visviva.body.rigid import RigidBody
 from visviva.contact.contact_surface import Surface, skin
 from visviva.contact.contact_trouble import without_tangent
 from visviva.contact.sharp import Parts, sharp_parts
-from visviva.contact.sinking import narrowest, watched, whole_surface
+from visviva.contact.sinking import narrowest, rubs_by_springs, watched, whole_surface
 from visviva.model.field import Role
 
 if TYPE_CHECKING:
@@ -152,6 +152,8 @@ def edges_of(contact: Contact) -> Edges | None:
     if pairing is None or contact.is_mortar or (contact.first_faces, contact.second_faces) != ("all", "all"):
         return None
     first, second = pairing
+    if rubs_by_springs(contact):
+        return None
     feelers = first.feelers()
     if feelers is None or feelers[1] > 0 or _is_flat(first) or _is_flat(second):
         return None

@@ -17,6 +17,8 @@ Ints = NDArray[np.int32]
 
 SHARP = 30.0
 """Degrees between facets from which on what lies between them is an edge: less is the side of something round."""
+ALONG = 1e-6
+"""Sine of the angle up to which pieces of an edge are one."""
 FLAT = 0.1
 """Degrees between facets up to which they are one face."""
 
@@ -61,10 +63,33 @@ def sharp_parts(surface: Surface) -> Parts:
             edges.append((start, end, left, right))
         elif along < sharp:
             dented.update((int(start), int(end)))
-    found = np.array(edges, dtype=np.int32).reshape(-1, 4)
+    found = np.array(_straight(edges, surface.places), dtype=np.int32).reshape(-1, 4)
     meet = np.bincount(found[:, :2].ravel(), minlength=len(surface.forms))
     corners = [v for v in np.nonzero(meet >= 3)[0].tolist() if v not in dented]
     return Parts(found, corners, _faces(facets, joined, surface))
+
+
+def _straight(edges: list[tuple[int, ...]], places: NDArray[np.float64]) -> list[tuple[int, ...]]:
+    """Edges without the vertices that cut straight ones into pieces: at the end of a piece an edge goes on."""
+    whole: dict[int, tuple[int, ...]] = dict(enumerate(edges))
+    at: dict[int, list[int]] = {}
+    for k, edge in whole.items():
+        for v in edge[:2]:
+            at.setdefault(int(v), []).append(k)
+    for v, meeting in at.items():
+        if len(meeting) != 2 or meeting[0] == meeting[1]:
+            continue
+        one, two = (whole[k] for k in meeting)
+        a, _, left, right = one if one[1] == v else (one[1], one[0], one[3], one[2])
+        c = two[1] if two[0] == v else two[0]
+        ahead, behind = places[v] - places[a], places[c] - places[v]
+        if np.linalg.norm(np.cross(ahead, behind)) > ALONG * np.linalg.norm(ahead) * np.linalg.norm(behind):
+            continue
+        kept, gone = meeting
+        whole[kept] = (a, c, left, right)
+        del whole[gone]
+        at[int(c)][at[int(c)].index(gone)] = kept
+    return list(whole.values())
 
 
 def _faces(facets: list[Ints], joined: list[tuple[int, int]], surface: Surface) -> list[tuple[Ints, Ints]]:

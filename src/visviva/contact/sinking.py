@@ -51,6 +51,11 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
     term.watch(skin(*sides, sees=False), UNSEEN * least, least, _cure(contact, pairing))
 
 
+def rubs_by_springs(contact: Contact) -> bool:
+    """Whether multipliers press and a penalty rubs, which forgets its slip where other gaps take a pressure over."""
+    return contact.friction > 0 and contact.enforcement == "multipliers" and contact.tangential == "penalty"
+
+
 def narrowest(surface: Surface) -> float:
     """The least width of a body, however it lies: its thickness behind a facet, but for the thinnest hundredth."""
     thick, areas = surface.sights[:, 0], surface._facet_areas()
@@ -87,6 +92,11 @@ def _cure(contact: Contact, pairing: Pairing) -> str:
             f"of faces that are named vertices of {first} alone touch {second}: leave out first_faces and "
             "second_faces, or exchange first and second where corners of that meet faces"
         )
+    if rubs_by_springs(contact):
+        return (
+            f"by multipliers that rub by a penalty vertices of {first} alone touch {second}: leave out "
+            "tangential='penalty'"
+        )
     return (
         f"vertices of {first} touch {second}, and where both are convex and sharp by 30 degrees edges that cross and "
         "corners in faces: exchange first and second where what is round meets edges or corners, and take "
@@ -100,11 +110,9 @@ def remark(contact: Contact) -> list[str]:
     if pairing is None:
         return []
     first, second = pairing
-    how = (
-        "means over facets, by mortar"
-        if contact.is_mortar
-        else "those of its vertices and sharp edges, by node-to-segment"
-    )
+    edges = "" if rubs_by_springs(contact) else " and sharp edges"
+    by_points = f"those of its vertices{edges}, by node-to-segment"
+    how = "means over facets, by mortar" if contact.is_mortar else by_points
     return [
         f"{contact.label}: gaps of {first.label} are {how}; steps in which it and {second.label} sink into each other "
         f"unseen by these, by {UNSEEN:.0%} of their least width, fail"
