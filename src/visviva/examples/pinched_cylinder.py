@@ -42,6 +42,7 @@ def study(count: int = 24, share: float = 0.1, step: float = 0.05, until: float 
         step,
         vv.Static(),
         probes,
+        pictures=vv.Pictures(field="bending_moment"),
         title="Pinched cylinder",
         notes=__doc__,
     )

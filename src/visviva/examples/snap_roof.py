@@ -45,7 +45,15 @@ def study(count: int = 16, plies: Plies = "isotropic", step: float = 0.05, until
     scheme = vv.ArcLength(longest=2.0)
     system = vv.System([roof, hinge, *planes, load])
     return vv.Study(
-        system, until, step, scheme, probes, units="N-mm-t", title="Roof that snaps through", notes=__doc__
+        system,
+        until,
+        step,
+        scheme,
+        probes,
+        units="N-mm-t",
+        pictures=vv.Pictures(field="bending_moment"),
+        title="Roof that snaps through",
+        notes=__doc__,
     )
 
 
