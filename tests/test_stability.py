@@ -224,3 +224,14 @@ def test_asymmetry_leaves_the_matrix_as_it_is() -> None:
     K = sp.csr_array((np.array([1.0, 2.0, 3.0]), np.array([1, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))
     assert asymmetry(K)[0] > 0
     assert K.indices.tolist() == [1, 0, 1]
+
+
+def test_a_heavy_weight_hides_no_fall_beside_it() -> None:
+    """What its spring leaves out of balance is more than the weight of the pendulum that stands on its head."""
+    ground = vv.Ground()
+    heavy = vv.PointMass(mass=1e8, position=(20, 0, 0))
+    spring = vv.Spring(a=ground.point((20, 0, 3)), b=heavy.point(), stiffness=1e9, free_length=3.0)
+    light = vv.RigidBody(mass=1e-6, inertia=(1e-6, 1e-6, 1e-6), position=(0, 0, 1))
+    hinge = vv.Revolute(a=ground, b=light, at=(0, 0, 0), axis=(0, 1, 0))
+    with pytest.raises(vv.NoEquilibrium, match="falls in one direction"):
+        vv.equilibrium(vv.System([ground, heavy, spring, light, hinge, vv.Gravity()]))

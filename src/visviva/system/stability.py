@@ -128,12 +128,18 @@ def count_falling(system: System, step: Any) -> int | None:
 def resisting(K: sp.csr_array, scale: Array, r: Array) -> sp.csr_array:
     """A tangent without what comes of forces `r` (n,) that the iteration left out of balance.
 
-    They turn what nothing else resists: rows of that alone would be scaled to one, and their signs counted.
+    They turn what nothing else resists: rows of that alone would be scaled to one, and their signs counted. Each part
+    that is coupled counts by its own forces: those left on a mountain say nothing of a beam beside it.
     """
-    entries, left = K.tocoo(), UNBALANCED * float(np.abs(r * scale).max(initial=0.0))
+    from scipy.sparse.csgraph import connected_components
+
+    n_parts, part = connected_components(K, directed=False)
+    left = np.zeros(n_parts)
+    np.maximum.at(left, part, UNBALANCED * np.abs(r * scale))
+    entries = K.tocoo()
     i, j = entries.coords
     moves = scale[i] * scale[j]
-    entries.data = np.where((moves > 0) & (np.abs(entries.data) * moves <= left), 0.0, entries.data)
+    entries.data = np.where((moves > 0) & (np.abs(entries.data) * moves <= left[part[i]]), 0.0, entries.data)
     return entries.tocsr()
 
 
