@@ -168,3 +168,19 @@ ONE = "CQUAD4,1,7,1,2,3,4\n"
 def test_what_is_not_understood_is_refused(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(vv.InputError, match=message):
         built(tmp_path, text)
+
+
+def test_large_fields_that_go_on_in_small_ones_are_refused(tmp_path: Path) -> None:
+    """The third coordinate came to stand where none is read."""
+    nodes = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,1.,1.,0.\nGRID*,4,,0.,1.\n"
+    plate = "CQUAD4,1,7,1,2,3,4\n"
+    with pytest.raises(vv.InputError, match="goes on in a line without"):
+        built(tmp_path, f"{nodes},0.5\n{plate}")
+    assert built(tmp_path, f"{nodes}*,0.5\n{plate}", "large.bdf").points[3] == pytest.approx([0, 1, 0.5])
+
+
+def test_a_byte_order_mark_hides_no_element(tmp_path: Path) -> None:
+    text = "CQUAD4,1,7,1,2,3,4\nGRID,1,,0.,0.\nGRID,2,,1.,0.\nGRID,3,,1.,1.\nGRID,4,,0.,1.\n"
+    (tmp_path / "marked.bdf").write_text(text + "CTRIA3,2,7,1,2,3\n", encoding="utf-8-sig")
+    cells = vv.MeshFile(path=str(tmp_path / "marked.bdf")).build().cells
+    assert {name: len(rows) for name, rows in cells.items()} == {"quad4": 1, "tri3": 1}

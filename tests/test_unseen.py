@@ -86,3 +86,20 @@ def test_what_touches_starts(formulation: str) -> None:
     section = vv.HomogeneousSection(young=1e6, poisson=0.3, thickness=0.01, density=1000.0)
     shell, plate = vv.Shell(mesh=mesh, section=section), block((1, 1, 0.02), (5, 5, 1), (0, 0, 0))
     started(shell, plate, formulation=formulation)
+
+
+@pytest.mark.parametrize("place", [(0.2, 0, 0.98), (0.2, 0, 0.9), (0.2, 0, 0.3), (0, 0, 0.9)])
+@pytest.mark.parametrize(
+    "given", [{}, {"enforcement": "penalty"}, {"enforcement": "penalty", "initial": "press"}]
+)
+def test_flush_boxes_in_each_other_are_refused(place: tuple[float, ...], given: dict[str, str]) -> None:
+    """Vertices of one lie on the sides of the other, and none in it: no force acted between them."""
+    boxes = [vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0, position=p) for p in ((0, 0, 0), place)]
+    with pytest.raises(vv.InputError, match="overlap by"):
+        started(*boxes, stiffness=1e5, **given)
+
+
+@pytest.mark.parametrize("place", [(0, 0, 1), (0.2, 0, 1), (0.2, 0.3, 1), (1, 0, 0), (1, 0.4, 0.2)])
+def test_boxes_that_touch_start(place: tuple[float, ...]) -> None:
+    boxes = [vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0, position=p) for p in ((0, 0, 0), place)]
+    started(*boxes, stiffness=1e5)

@@ -37,7 +37,7 @@ from visviva.contact.doubles import refuse_doubles
 from visviva.contact.edges import edges_of
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
-from visviva.contact.unseen import refuse_unseen
+from visviva.contact.unseen import refuse_hidden, refuse_unseen
 from visviva.mesh.faces import Faces
 from visviva.model.field import Role
 
@@ -321,13 +321,16 @@ class Contact(Component):
         self._started = True
         if not state.is_given:
             return
+        state.core.find_neighbours()
+        state.evaluate_ledger()
         if self.initial != "press":
-            state.core.find_neighbours()
-            state.evaluate_ledger()
             refuse_overlap(self, positions(self._surface, state.x))
             if self._edges:
                 self._edges.refuse_overlap(DEEP * self.extent)
         refuse_unseen(self, self._reach, state.x)
+        seen = np.append(-np.nan_to_num(self.gaps), self._edges.depths if self._edges else 0.0)
+        if seen.max() <= DEEP * self.extent:
+            refuse_hidden(self, DEEP * self.extent, state.x)
 
     @property
     def _layer(self) -> Layer:

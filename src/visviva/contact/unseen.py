@@ -13,6 +13,7 @@ from visviva.body.rigid import RigidBody
 from visviva.component.point import Attachable
 from visviva.contact.bars import is_bar
 from visviva.contact.contact_surface import mesh_bodies, positions, surface_of, where_of
+from visviva.contact.sinking import watched
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
@@ -47,6 +48,26 @@ def refuse_unseen(contact: Contact, reach: float, x: Array) -> None:
                 f"start, deeper than contact sees, which is no farther than {bound}, so that nothing would hold them "
                 "apart; move one of them"
                 + (f", or give initial='press' and a reach above {depth:.3g}" if depth > reach else "")
+            )
+
+
+def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
+    """Refuse rigid bodies that lie in each other, at `x`, deeper than `seen`, the depth that their gaps have.
+
+    Vertices and edges that lie on the sides of the other body, as of boxes that are flush, are not in it.
+    """
+    pairing = watched(contact)
+    if pairing is None or contact.is_mortar or not isinstance(pairing[1], RigidBody):
+        return
+    sides: list[Side] = [(pairing[0], contact.first_faces), (pairing[1], contact.second_faces)]
+    for own, other in (sides, sides[::-1]):
+        depth, place = deepest(own, other, contact.label, seen, x)
+        if depth > 0:
+            near = ", ".join(f"{c:.4g}" for c in place)
+            raise InputError(
+                f"{contact.label}: {own[0].label} and {other[0].label} overlap by {depth:.3g} near ({near}) at the "
+                "start, where no vertex or edge of one is in the other, so that nothing would hold them apart; "
+                "move one of them"
             )
 
 

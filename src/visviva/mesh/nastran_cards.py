@@ -75,6 +75,10 @@ def cards(path: Path, within: Path | None = None) -> Iterator[Card]:
             raise now.refused(
                 f"goes on in another line than the next ({where}): write them one behind the other"
             )
+        if len(words) == 8 and len(now.fields) % 8 == 4:
+            raise now.refused(
+                f"has large fields and goes on in a line without * ({where}): begin that with *"
+            )
         if len(words) == 8:
             now.fields += [""] * (-len(now.fields) % 8)
         now.fields += words
@@ -109,7 +113,7 @@ def split(line: str) -> tuple[str, list[str], str]:
 
 def _lines(path: Path, within: Path | None, depth: int = 0) -> Iterator[Line]:
     """Lines with data, without remarks."""
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
         numbered = enumerate(file, 1)
         for k, raw in numbered:
             line = raw.split("$")[0].rstrip()
