@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,18 +38,13 @@ def refuse_unseen(contact: Contact, reach: float, x: Array) -> None:
         return
     if first is second or is_bar(first) or is_bar(second):
         return
-    sides: list[Side] = [(first, contact.first_faces), (second, contact.second_faces)]
-    for own, other in (sides, sides[::-1]):
-        depth, place = deepest(own, other, contact.label, reach, x)
-        if depth > 0:
-            near = ", ".join(f"{c:.4g}" for c in place)
-            bound = f"the reach of {reach:.3g}" if depth > reach else "half of their thickness"
-            raise InputError(
-                f"{contact.label}: {own[0].label} and {other[0].label} overlap by {depth:.3g} near ({near}) at the "
-                f"start, deeper than contact sees, which is no farther than {bound}, so that nothing would hold them "
-                "apart; move one of them"
-                + (f", or give initial='press' and a reach above {depth:.3g}" if depth > reach else "")
-            )
+    for depth, told in _overlaps(contact, second, reach, x):
+        bound = f"the reach of {reach:.3g}" if depth > reach else "half of their thickness"
+        raise InputError(
+            f"{told}, deeper than contact sees, which is no farther than {bound}, so that nothing would hold them "
+            "apart; move one of them"
+            + (f", or give initial='press' and a reach above {depth:.3g}" if depth > reach else "")
+        )
 
 
 def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
@@ -59,16 +55,22 @@ def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
     pairing = watched(contact)
     if pairing is None or contact.is_mortar or not isinstance(pairing[1], RigidBody):
         return
-    sides: list[Side] = [(pairing[0], contact.first_faces), (pairing[1], contact.second_faces)]
+    for _, told in _overlaps(contact, pairing[1], seen, x):
+        raise InputError(
+            f"{told}, where no vertex or edge of one is in the other, so that nothing would hold them apart; move one "
+            "of them"
+        )
+
+
+def _overlaps(contact: Contact, second: Attachable, reach: float, x: Array) -> Iterator[tuple[float, str]]:
+    """Unseen depths of either body in the other one, and the words that tell of each."""
+    sides: list[Side] = [(contact.first, contact.first_faces), (second, contact.second_faces)]
     for own, other in (sides, sides[::-1]):
-        depth, place = deepest(own, other, contact.label, seen, x)
+        depth, place = deepest(own, other, contact.label, reach, x)
         if depth > 0:
             near = ", ".join(f"{c:.4g}" for c in place)
-            raise InputError(
-                f"{contact.label}: {own[0].label} and {other[0].label} overlap by {depth:.3g} near ({near}) at the "
-                "start, where no vertex or edge of one is in the other, so that nothing would hold them apart; "
-                "move one of them"
-            )
+            bodies = f"{own[0].label} and {other[0].label}"
+            yield depth, f"{contact.label}: {bodies} overlap by {depth:.3g} near ({near}) at the start"
 
 
 def deepest(own: Side, other: Side, label: str, reach: float, x: Array) -> tuple[float, Array]:
