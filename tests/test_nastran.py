@@ -151,6 +151,8 @@ ONE = "CQUAD4,1,7,1,2,3,4\n"
         (PLATE + ONE + ONE, "line 11: CQUAD4 1 is there twice: line 10"),
         (PLATE + "GRID,7,3,2.5,1.,0.\n" + ONE, "GRID 7 is given in the coordinate system 3, which is not there"),
         (PLATE + "GRID,7,,2.5,1.x,0.\n" + ONE, "GRID 7 has '1.x' where a number belongs"),
+        (PLATE + "GRID,7,,INF,1.,0.\n" + ONE, "GRID 7 has 'INF' where a number belongs"),
+        (PLATE + "CQUAD4,1_0,7,1,2,3,4\n", "CQUAD4 1_0 has '1_0' where a whole number belongs"),
         (PLATE + "CORD2C,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,7,1,1.,1.,1.\n" + ONE, "CORD2C 1 refers to itself"),
         (PLATE + "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,3.\nGRID,7,1,1.,1.,1.\n" + ONE, "three points in a line"),
         (PLATE + "CQUAD4,1,7,1,2,3,99\n", "CQUAD4 1 has the node 99, which is not there"),

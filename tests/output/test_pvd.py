@@ -36,3 +36,8 @@ def test_series_of_files(tmp_path, capsys):
     assert [array.GetComponentName(j) for j in range(6)] == ["xx", "yy", "zz", "xy", "yz", "zx"]
     stress = bar.nodal("cauchy", system.x)
     np.testing.assert_allclose(bars[0]["cauchy"], stress, atol=1e-12 * np.abs(stress).max())
+    (tmp_path / "notes").mkdir()
+    (tmp_path / "notes" / "mine.vtu").write_text("of a user")
+    assert main(["export", str(tmp_path / "run"), "--out", str(tmp_path / "notes.pvd")]) != 0
+    assert "holds 'mine.vtu'" in capsys.readouterr().err
+    assert [file.name for file in (tmp_path / "notes").iterdir()] == ["mine.vtu"]

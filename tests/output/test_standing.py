@@ -111,6 +111,11 @@ def test_pictures_have_options(
     assert (images["clear"][..., 3] == 0).mean() > 0.3
     with pytest.raises(vv.InputError, match="no camera 'fornt'; did you mean 'front'"):
         snapshot(hanging, tmp_path / "p.png", camera="fornt")
+    for blind in (((0, 0, 1), (0, 0, 1), (0, 1, 0)), ((0, 0, 1), (0, 0, 0), (0, 0, 2))):
+        with pytest.raises(vv.InputError, match=r"camera = .* sees nothing"):
+            snapshot(hanging, tmp_path / "p.png", camera=blind)
+        with pytest.raises(vv.InputError, match=r"Pictures: camera = .* sees nothing"):
+            vv.Pictures(camera=blind)
     with pytest.raises(vv.InputError, match="'max' goes with a field"):
         snapshot(hanging, tmp_path / "p.png", time="max")
 

@@ -91,6 +91,8 @@ def test_a_file_of_states_is_cut_back_and_goes_on(tmp_path: Path) -> None:
     assert again.checksum == checksums[-1]
     np.testing.assert_array_equal([r[0] for r in again.records], [row[3][0] for row in rows])
     np.testing.assert_array_equal(np.array(again.rates), [row[2] for row in rows])
+    with pytest.raises(ValueError, match="read-only"):  # as those in memory: nobody changes what was
+        again.states[0][0] = 7.0
     for n, checksum in ((6, checksums[4]), (10, checksums[8])):
         with pytest.raises(InputError, match=r"s\.npy: is damaged"):
             StateFile.reopen(tmp_path / "s.npy", 4, [(2, 3)], n, checksum)

@@ -11,6 +11,8 @@ from visviva.base.errors import InputError
 from visviva.mesh.source_files import included
 
 BULK = re.compile(r"BEGIN(\s+BULK)?\s*$")
+WHOLE = re.compile(r"[+-]?[0-9]+")
+REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(E[+-]?[0-9]+)?")
 Line = tuple[str, str]
 """Where it stands, and its text."""
 
@@ -29,10 +31,9 @@ class Card:
 
     def whole(self, k: int, blank: int = 0) -> int:
         """A whole number."""
-        try:
-            return int(self.word(k)) if self.word(k) else blank
-        except ValueError:
-            raise self.refused(f"has {self.word(k)!r} where a whole number belongs") from None
+        if self.word(k) and not WHOLE.fullmatch(self.word(k)):
+            raise self.refused(f"has {self.word(k)!r} where a whole number belongs")
+        return int(self.word(k) or blank)
 
     def real(self, k: int) -> float:
         """A number; blanks are zero, and the letter of an exponent may be left out.
@@ -44,10 +45,9 @@ class Card:
         [7.0, 7.0, 7.0, -7.0, 7.0, 0.0]
         """
         text = re.sub(r"(?<=[\d.])([+-])", r"E\1", self.word(k).upper().replace("D", "E"))
-        try:
-            return float(text or 0.0)
-        except ValueError:
-            raise self.refused(f"has {self.word(k)!r} where a number belongs") from None
+        if text and not REAL.fullmatch(text):
+            raise self.refused(f"has {self.word(k)!r} where a number belongs")
+        return float(text or 0.0)
 
     def refused(self, why: str) -> InputError:
         """The error that tells of it."""

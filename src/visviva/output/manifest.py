@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 NAME = ".files.json"
 FORMAT = "visviva files 1"
+PIECE = re.compile(r"\d{3,}-\d{5,}\.vtu")
+"""Names of pieces of motions, in folders of theirs."""
 
 
 def own(run: RunDirectory) -> tuple[Path, ...]:
@@ -73,7 +75,7 @@ def remove(made: Path) -> None:
         made.unlink(missing_ok=True)
         return
     for piece in made.iterdir():
-        if re.fullmatch(r"\d{3,}-\d{5,}\.vtu", piece.name):
+        if PIECE.fullmatch(piece.name):
             piece.unlink()
     with suppress(OSError):
         made.rmdir()

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError, nearest
 
@@ -91,8 +93,7 @@ class Pictures(metaclass=Validated):
     deform: float = 1.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.camera, str) and self.camera not in PRESETS:
-            raise InputError(f"Pictures: there is no camera {self.camera!r}{nearest(self.camera, PRESETS)}")
+        refuse_camera(self.camera, "Pictures: ")
         if self.limits is not None and not self.limits[0] < self.limits[1]:
             raise InputError(f"Pictures: limits = {self.limits} are not in order")
         if self.size is not None:
@@ -134,6 +135,27 @@ class Pictures(metaclass=Validated):
 def can_show(what: str, name: str, width: int) -> bool:
     """True if a field of this number of components can be colours (`field`), glyphs (`vectors`) or a diagram."""
     return name.startswith(DIAGRAM) if what == "diagram" else width in WIDTHS[what]
+
+
+def refuse_camera(camera: str | Camera | None, where: str = "") -> None:
+    """Refuse a camera that has no such name, or sees nothing.
+
+    Raises
+    ------
+    InputError
+        With the names, or what is wrong with the vectors.
+    """
+    if isinstance(camera, str):
+        if camera not in PRESETS:
+            raise InputError(f"{where}there is no camera {camera!r}{nearest(camera, PRESETS)}")
+    elif camera is not None:
+        eye, target, up = np.array(camera, dtype=float)
+        across, length = np.cross(target - eye, up), np.linalg.norm(target - eye) * np.linalg.norm(up)
+        if not (length > 0 and np.linalg.norm(across) > 1e-9 * length):
+            raise InputError(
+                f"{where}camera = {camera} sees nothing: it is (eye, target, up), where the target lies beside the "
+                "eye and up points in another direction than the view"
+            )
 
 
 def refuse_size(size: tuple[int, int]) -> None:

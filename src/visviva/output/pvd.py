@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
+from visviva.base.errors import InputError
+from visviva.output.manifest import PIECE
 from visviva.output.reader import blocks
 from visviva.output.safe_files import called, replacing, reporting
 from visviva.output.trajectory import Trajectory
@@ -43,12 +45,13 @@ def write_pvd(
     Raises
     ------
     InputError
-        If PyVista is not installed.
+        If PyVista is not installed, or the folder holds other files than such pieces.
     RunError
         If a file cannot be written.
     """
     target = called(file, "meshes by component and moment", ".pvd")
     folder = target.with_suffix("")
+    refuse_foreign(folder)
     with reporting(folder):
         folder.mkdir(parents=True, exist_ok=True)
     lines = []
@@ -69,6 +72,13 @@ def write_pvd(
     with reporting(target), replacing(target) as temporary:
         temporary.write_text(HEAD + "".join(lines) + END, encoding="utf-8")
     return target
+
+
+def refuse_foreign(folder: Path) -> None:
+    """Refuse a folder that is of somebody else."""
+    others = [f.name for f in folder.iterdir() if not PIECE.fullmatch(f.name)] if folder.is_dir() else []
+    if others:
+        raise InputError(f"{folder}: holds {others[0]!r}, which is no piece of a motion: give another name")
 
 
 def name_components(mesh: Any, parts: Mapping[str, Sequence[str]]) -> None:

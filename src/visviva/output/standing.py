@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import InputError, nearest
-from visviva.output.pictures import PRESETS, Camera
+from visviva.output.pictures import Camera, refuse_camera
 from visviva.output.surface import Surface
 from visviva.output.trajectory import Trajectory
 
@@ -59,10 +58,9 @@ class Standing(Trajectory):
         Raises
         ------
         InputError
-            If there is no such name.
+            If there is no such name, or it sees nothing.
         """
-        if isinstance(camera, str) and camera not in PRESETS:
-            raise InputError(f"there is no camera {camera!r}{nearest(camera, PRESETS)}")
+        refuse_camera(camera)
         if camera is None or isinstance(camera, str):
             return camera
         eye, target, up = (tuple(self._turn @ np.asarray(v, float)) for v in camera)

@@ -151,7 +151,7 @@ class StateFile:
         return Column(self, self._records_of)
 
     def row(self, k: int) -> Array:
-        """All numbers of a state.
+        """All numbers of a state, to be read.
 
         Raises
         ------
@@ -162,7 +162,7 @@ class StateFile:
             data = self._bytes(descriptor, k)
         if len(data) < self.n_bytes:
             raise self._lost()
-        return np.frombuffer(data, dtype=np.float64).copy()
+        return np.frombuffer(data, dtype=np.float64)
 
     def sync(self) -> None:
         """Make sure that what is written outlives a loss of power."""
