@@ -251,6 +251,11 @@ def test_steps_without_rates_at_their_end_have_failed() -> None:
     system = vv.System([beam, vv.Clamped(solid=beam, nodes=[0]), ball, weld, vv.Gravity()])
     with pytest.raises(vv.StepFailure, match=r"no rates satisfy the constraints.*or take EnergyMomentum\(\)"):
         vv.simulate(system, until=1.0, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
+    rod = vv.RigidBody(mass=1.0, inertia=(0, 0.1, 0.1), position=(1, 0, 0))
+    hinge = vv.Revolute(a=vv.Ground(), b=rod, at=(0, 0, 0), axis=(0, 1, 0))
+    system = vv.System([hinge.a, rod, hinge, vv.Gravity()])
+    with pytest.raises(vv.VisvivaError):
+        vv.simulate(system, until=0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.8))
 
 
 def test_errors_of_functions_of_the_user_are_no_failures_of_steps() -> None:

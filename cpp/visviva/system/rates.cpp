@@ -72,15 +72,24 @@ void System::evaluate_rate_matrix(const Context& c) {
     keep_weightless();
 }
 
-// What has no mass and meets no constraint keeps its rates: its rows are zero.
+// What has no mass and meets no constraint keeps its rates: its rows are zero. Solvers that keep bodies rigid
+// leave constraints of directors out: one director without mass turns with the others, and only all without
+// keep theirs.
 void System::keep_weightless() {
     if (processes_) return;  // others may have the rest of a row
-    for (int i = 0; i < csr_.n; ++i) {
-        const auto begin = values_.begin() + csr_.row[i], end = values_.begin() + csr_.row[i + 1];
-        if (std::any_of(begin, end, [](double value) { return value != 0; })) continue;
-        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
-            if (csr_.col[k] == i) values_[k] = 1;
+    std::vector<char> weightless(n_, 0);
+    for (int i = 0; i < csr_.n; ++i)
+        weightless[csr_.unknown[i]] =
+            std::all_of(values_.begin() + csr_.row[i], values_.begin() + csr_.row[i + 1],
+                        [](double value) { return value == 0; });
+    for (const RigidUnknowns& body : blocks_.rigid) {
+        const auto begin = body.q + 3, end = body.q + 12;
+        const bool all = std::all_of(begin, end, [&](int u) { return weightless[u] || fixed_[u]; });
+        if (rate_rigid_ != nullptr && !all) std::for_each(begin, end, [&](int u) { weightless[u] = 0; });
     }
+    for (int i = 0; i < csr_.n; ++i)
+        for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
+            if (weightless[csr_.unknown[i]] && csr_.col[k] == i) values_[k] = 1;
 }
 
 // Adds a factor times the constraints, later by some time, as those see it that look at the clock themselves.
