@@ -277,9 +277,9 @@ class Path:
         dt = self.unit
         if previous is None and not self.length(d * self.unit, self.unit) > ROUNDING:
             raise InputError(
-                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t', or count "
-                "the load in the arc, vv.ArcLength(load_weight=0.01), where what cannot stretch stands still until it "
-                "buckles"
+                "vv.arc_length: nothing moves with the load parameter: let a load grow with time, times='t', or take a "
+                f"longer step (that of {self.unit:g} moves all by less than 1e-12 of the model's size), or count the "
+                "load in the arc, vv.ArcLength(load_weight=0.01), where what cannot stretch stands until it buckles"
             )
         if previous is not None:
             dt = float(np.sign(self.product(np.append(d, 1.0), previous))) * arc / self.length(d, 1.0)
