@@ -1,4 +1,4 @@
-"""Particles with misfit: elastic energies of ellipses (Eshelby), which decide their shapes.
+"""Particles with misfit: elastic energies of ellipses (Eshelby), which decide their shapes, and the way there.
 
 Soft particles gain elastic energy by growing long, hard ones lose it: against the energy of their interface, round soft
 particles give way to elongated ones beyond a size (Johnson & Cahn 1984).
@@ -11,40 +11,11 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.examples import misfit
+from visviva.examples.misfit import ETA, NU, E, eshelby
 
 Array = NDArray[np.float64]
-E, NU, ETA = 100.0, 0.3, 0.01
 NORMALS = np.eye(3)
-
-
-def eshelby(aspect: float, softness: float) -> float:
-    """Elastic energy of an ellipse of unit area in an infinite plane, with the eigenstrain (eta, eta, 0).
-
-    By the equivalent inclusion: ``Cp (S e - e*) = Cm (S e - e)``, energy ``- e* . Cp (S e - e*) / 2``.
-    """
-    a, b, q = aspect**0.5, aspect**-0.5, 1 / (2 * (1 - NU))
-    s = a + b
-    S = q * np.array(
-        [
-            [
-                (b * b + 2 * a * b) / s**2 + (1 - 2 * NU) * b / s,
-                b * b / s**2 - (1 - 2 * NU) * b / s,
-                2 * NU * b / s,
-            ],
-            [
-                a * a / s**2 - (1 - 2 * NU) * a / s,
-                (a * a + 2 * a * b) / s**2 + (1 - 2 * NU) * a / s,
-                2 * NU * a / s,
-            ],
-            [0.0, 0.0, 0.0],
-        ]
-    )
-    lam, mu = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
-    C = lam + 2 * mu * np.eye(3)
-    misfit = np.array([ETA, ETA, 0.0])
-    equivalent = np.linalg.solve(softness * C @ S - C @ (S - np.eye(3)), softness * C @ misfit)
-    stress = softness * C @ (S @ equivalent - misfit)
-    return float(-0.5 * stress @ misfit)
 
 
 def elastic_energy(aspect: float, softness: float, width: float) -> float:
@@ -90,3 +61,20 @@ def test_shapes_of_particles(softness: float) -> None:
     np.testing.assert_allclose(found, exact, rtol=2.5e-2)
     np.testing.assert_allclose(np.diff(found), np.diff(exact), rtol=0.1)
     assert np.all(np.diff(found) < 0) == (softness < 1)
+
+
+@pytest.mark.parametrize("ratio", [0.9, 1.6])
+def test_diffusion_makes_small_particles_round_and_large_ones_long(ratio: float) -> None:
+    """From one aspect, on both sides of the critical radius of sharp ellipses; energy falls, amounts stay."""
+    study = misfit.study(ratio=ratio, inner=3.2, until=1.5)
+    result = vv.simulate(
+        study.system, until=study.until, step=study.step, scheme=study.scheme, adaptive=study.adaptive
+    )
+    misfit.check(result)
+
+
+def test_the_critical_radius_is_where_the_best_ellipse_parts_from_the_circle() -> None:
+    """The second variation of one function, the least values of another."""
+    aspects = [misfit.best_aspect(ratio, 0.5) for ratio in (0.97, 1.03, 1.06)]
+    assert aspects[0] == pytest.approx(1.0, abs=1e-2)
+    assert np.log(aspects[2]) / np.log(aspects[1]) == pytest.approx(2**0.5, rel=0.03)  # a pitchfork
