@@ -49,6 +49,11 @@ GOOD: dict[str, Any] = {
         ({"formulation": "F-bar"}, "formulation = 'F-bar' does not crack yet"),
         ({"stiffness_damping": 0.1}, "takes no"),
         ({"model": "AT3"}, "model"),
+        (
+            {"irreversibility": "history", "damage": 0.5},
+            "would heal a damage of 0.5 at the start.*Mesh.opened",
+        ),
+        ({"irreversibility": "history", "free_strain": 0.01}, "'history' knows no free_strain yet"),
     ],
 )
 def test_what_is_refused(options: dict[str, Any], message: str) -> None:

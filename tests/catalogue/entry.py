@@ -36,6 +36,8 @@ class Entry:
         How many of them the conservation test takes.
     analytic : bool
         Whether its tangents are free of differences.
+    balances : bool
+        Whether the ledger has all that its energy changes by; history fields of cracks leave something out.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Entry:
     h: float = 0.02
     steps: int = 300
     analytic: bool = True
+    balances: bool = True
 
     def system(self, **options: Any) -> vv.System:
         """A fresh system, its initial state moved onto the constraints."""

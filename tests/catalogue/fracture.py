@@ -12,7 +12,9 @@ HENCKY = vv.Hencky(young=30.0, poisson=0.3)
 RUBBER = vv.NeoHooke(young=30.0, poisson=0.3, isochoric=True)
 
 
-def brick(material: Any, split: Any, cell: str = "hex8", model: Any = "AT2") -> vv.FracturingSolid:
+def brick(
+    material: Any, split: Any, cell: str = "hex8", model: Any = "AT2", **options: Any
+) -> vv.FracturingSolid:
     return vv.FracturingSolid(
         mesh=vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1), cell=cell),
         material=material,
@@ -24,10 +26,18 @@ def brick(material: Any, split: Any, cell: str = "hex8", model: Any = "AT2") -> 
         residual=1e-3,
         angular_velocity=(0.3, 0.6, 1.0),
         velocity=lambda X: X * X,
+        **options,
     )
 
 
-def plate(material: Any, split: Any, plane: Any = "strain", cell: str = "quad4") -> vv.FracturingSolid:
+def remembering() -> Components:
+    return [brick(GREEN, "spectral", model="AT1", irreversibility="history")]
+
+
+def plate(
+    material: Any, split: Any, plane: Any = "strain", cell: str = "quad4", **options: Any
+) -> vv.FracturingSolid:
+    given = {"damage": lambda X: 0.4 * (X[:, 0] > 1), **options}
     return vv.FracturingSolid(
         mesh=vv.RectangleMesh(size=(1, 0.8), counts=(3, 2), cell=cell, origin=(0.2, 0)),
         material=material,
@@ -36,8 +46,8 @@ def plate(material: Any, split: Any, plane: Any = "strain", cell: str = "quad4")
         length=0.5,
         split=split,
         plane=plane,
-        damage=lambda X: 0.4 * (X[:, 0] > 1),
         velocity=lambda X: X * X,
+        **given,
     )
 
 
@@ -84,4 +94,19 @@ FRACTURE = [
     Entry("cracking plate, trace", lambda: [plate(GREEN, "volumetric", cell="tri6")], IN_PLANE, steps=20),
     Entry("cracking ring", lambda: [plate(HENCKY, "spectral", "axisymmetric")], ENERGY, steps=20),
     Entry("cracking plate, pulled", pulled, NOTHING, steps=30),
+    Entry("cracking brick, history field", remembering, MOMENTA, steps=20, balances=False),
+    Entry(
+        "cracking plate, history field",
+        lambda: [plate(GREEN, "spectral", damage=0.0, irreversibility="history")],
+        PLANE_MOMENTA,
+        steps=40,
+        balances=False,
+    ),
+    Entry(
+        "cracking ring, history field",
+        lambda: [plate(HENCKY, "volumetric", "axisymmetric", damage=0.0, irreversibility="history")],
+        NOTHING,
+        steps=20,
+        balances=False,
+    ),
 ]

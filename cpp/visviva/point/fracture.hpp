@@ -218,12 +218,26 @@ struct FractureEnergy : PlainEnergy {
         return at;
     }
 
-    template <bool second>
-    void evaluate(const V* e, Potential<n>& to) const {
-        V c[6], stretch = broadcast(1.0);
+    /// What of C drives both parts, and 1 + s.
+    static VISVIVA_INLINE V inner(const V* e, V* c) {
+        V stretch = broadcast(1.0);
         if constexpr (stretches) stretch = 1.0 + e[10];
         const V shrink = 1.0 / (stretch * stretch);
         for (int k = 0; k < 6; ++k) c[k] = stretches ? shrink * e[k] + (k < 3 ? shrink - 1.0 : V{}) : e[k];
+        return stretch;
+    }
+    /// W+ per reference volume.
+    V driving(const V* e) const {
+        V c[6];
+        const V stretch = inner(e, c);
+        const Parts& at = parts_at<false>(c);
+        return stretch * stretch * stretch * (at.whole.W - at.minus.W);
+    }
+
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        V c[6];
+        const V stretch = inner(e, c);
         const Parts& at = parts_at<second>(c);
         const Response &whole = at.whole, &minus = at.minus;
         const V sound = 1.0 - e[6], share = 1.0 - p[fracture::rest], volume = stretch * stretch * stretch;
@@ -252,6 +266,48 @@ struct FractureEnergy : PlainEnergy {
             to.d[packed(n, 6, 6)] = g2 * plus + 2.0 * (1.0 - linear) * local;
             for (int k = 7; k < 10; ++k) to.d[packed(n, k, k)] = 2.0 * along;
         }
+    }
+};
+
+/// The same, with damages that the largest W+ so far drives, H (Miehe, Hofacker & Welschinger 2010): a
+/// variable of the point. Forces on damages are then no gradient of the energy; they act where forces are
+/// balanced, at the end of steps with discrete gradients. H starts where damage that is linear in d begins to
+/// grow.
+template <bool stretches>
+struct HistoryEnergy : PlainEnergy {
+    using Plain = FractureEnergy<stretches>;
+    static constexpr int n_s = Plain::n, n = n_s + 1, n_internal = 1, max_par = Plain::max_par;
+    Plain energy;
+    explicit HistoryEnergy(const V* par) : energy(par) {}
+
+    /// What is stored.
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        static_assert(!second);
+        Potential<n_s> whole;
+        energy.template evaluate<false>(e, whole);
+        to.W = whole.W;
+    }
+
+    /// Stresses s and moduli T like those of conjugate_stress(), and H at the end, behind the strains e1.
+    template <bool tangent>
+    void remember(const Step& step, const V* e0, V* e1, const V* et, V* s, V* T) const {
+        V moduli[n_s * n_s];
+        conjugate_stress<tangent>(energy, step, e0, e1, et, s, moduli);
+        const V* e = step.stress == Stress::discrete_gradient ? e1 : et;
+        Potential<n_s> at;
+        energy.template evaluate<tangent>(e, at);
+        const V *p = energy.p, share = 1.0 - p[fracture::rest];
+        const V before = vmax(e0[n_s], 0.5 * p[fracture::local] * p[fracture::linear] / share);
+        const V plus = energy.driving(e), more = vmax(before - plus, V{});
+        e1[n_s] = plus + more;
+        for (int k = 6; k < 10; ++k) s[k] = at.s[k];
+        s[6] -= 2.0 * share * (1.0 - e[6]) * more;
+        for (int k = 0; tangent && k < n_s; ++k)
+            for (int l = 0; l < n_s; ++l)
+                T[n * k + l] = k < 6 || k > 9 ? moduli[n_s * k + l] : Plain::weight(l) * at.second(k, l);
+        for (int l = 0; tangent && l < 6; ++l) T[n * 6 + l] = select(more > 0.0, V{}, T[n * 6 + l]);
+        if constexpr (tangent) T[n * 6 + 6] += 2.0 * share * more;
     }
 };
 

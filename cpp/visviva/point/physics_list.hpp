@@ -21,4 +21,7 @@ VISVIVA_PHYSICS(fracture_of_revolution, FRACTURE_OF_REVOLUTION, RevolutionScalar
 VISVIVA_PHYSICS(heated_fracture, HEATED_FRACTURE, StretchedMap<SolidScalarMap>, FractureEnergy<true>)  // and a free strain
 VISVIVA_PHYSICS(heated_fracture_in_plane, HEATED_FRACTURE_IN_PLANE, StretchedMap<PlaneScalarMap>, FractureEnergy<true>)
 VISVIVA_PHYSICS(heated_fracture_of_revolution, HEATED_FRACTURE_OF_REVOLUTION, StretchedMap<RevolutionScalarMap>, FractureEnergy<true>)
+VISVIVA_PHYSICS(history_fracture, HISTORY_FRACTURE, SolidScalarMap, HistoryEnergy<false>)  // C, damage, by a history field
+VISVIVA_PHYSICS(history_fracture_in_plane, HISTORY_FRACTURE_IN_PLANE, PlaneScalarMap, HistoryEnergy<false>)
+VISVIVA_PHYSICS(history_fracture_of_revolution, HISTORY_FRACTURE_OF_REVOLUTION, RevolutionScalarMap, HistoryEnergy<false>)
 // clang-format on

@@ -201,9 +201,13 @@ struct PointElement {
                 return energy.template discrete_gradient<tangent>(p.z0, p.z1, p.s, p.T);
         }
         if constexpr (n_h > 0) {
-            const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T, p.lost);
-            for (int l = 0; l < W; ++l)
-                if (!found[l]) v.lost_way[block * P8 + lane + l] = 1;
+            if constexpr (requires(V* a) { energy.template remember<tangent>(step, a, a, a, a, a); }) {
+                energy.template remember<tangent>(step, p.z0, p.z1, p.zt, p.s, p.T);
+            } else {
+                const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T, p.lost);
+                for (int l = 0; l < W; ++l)
+                    if (!found[l]) v.lost_way[block * P8 + lane + l] = 1;
+            }
             for (int k = 0; k < n_h; ++k)
                 vstore(v.history1 + (at_point(v.history0, q, n_h) - v.history0) + k * P8, p.z1[n_s + k]);
         } else {

@@ -31,7 +31,8 @@ class AlternateMinimization(Static):
     Parameters
     ----------
     energy_tolerance : float
-        Share of the energy stored in what cracks, weights left out, that the last change of damages may release.
+        Share of the energy stored in what cracks, weights left out, that the last change of damages may release; or
+        take up, which history fields let it.
     rounds : int
         Largest number of goes to and fro; a load step that takes more is halved.
     newton : int
@@ -89,9 +90,10 @@ class Alternation(Equilibrium):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.damages = np.zeros(len(self.dx), dtype=np.int32)
-        for growing, _ in self.system.model.growing:
-            self.damages[growing.start : growing.start + growing.size] = 1
-        cracking = {self.system.model.index(growing.component) for growing, _ in self.system.model.growing}
+        fields = [growing.field for growing in self.system.model.growing]
+        for f in fields:
+            self.damages[f.unknowns] = 1
+        cracking = {self.system.model.index(f.component) for f in fields}
         accounts = self.system.model.accounts
         self.stored = np.array([a.kind == "stored" and a.component in cracking for a in accounts])
 
@@ -124,7 +126,7 @@ class Alternation(Equilibrium):
             before = self.energies(time)
             taken += self._part(time, 1 - self.damages, ROUGHLY)
             after = self.energies(time)
-            if (before - after).sum() <= o.energy_tolerance * after[self.stored].sum():
+            if abs((before - after).sum()) <= o.energy_tolerance * after[self.stored].sum():
                 return taken + self._part(time, self.damages, o.tolerance)
         raise self.failure(
             time, f"no equilibrium in {o.rounds} goes to and fro between positions and damages"

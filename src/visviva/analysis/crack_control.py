@@ -66,8 +66,8 @@ class CrackPath(Path):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.sizes = np.zeros(len(self.equations.dx))
-        for growing, sizes in self.equations.system.model.growing:
-            self.sizes[growing.start : growing.start + growing.size] = sizes / self.growth
+        for growing in self.equations.system.model.growing:
+            self.sizes[growing.field.unknowns] = growing.sizes / self.growth
 
     def length(self, dx: Array, dt: float) -> float:
         return float(self.sizes @ dx) + dt / self.unit

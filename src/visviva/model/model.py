@@ -52,6 +52,15 @@ class Element:
     shift: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class Growing:
+    """A field that never shrinks, sizes (n,) of its unknowns, and whether these rest where they would shrink."""
+
+    field: Field
+    sizes: Array
+    held: bool
+
+
 @dataclass(eq=False)
 class Model:
     """Collects fields and elements while components contribute; the system then hands them to the core."""
@@ -67,7 +76,7 @@ class Model:
     driving: Driving = field(default_factory=Driving)
     reductions: Reductions = field(default_factory=Reductions)
     entropies: Entropies = field(default_factory=Entropies)
-    growing: list[tuple[Field, Array]] = field(default_factory=list)  # never shrink; sizes of their unknowns
+    growing: list[Growing] = field(default_factory=list)
     nodes: dict[Owner, list[tuple[int, bool]]] = field(default_factory=dict)
     length: float = 1.0
     lengths: dict[int, float] = field(default_factory=dict)  # of small parts apart, by id of their components
@@ -381,13 +390,14 @@ class Model:
         self.driving.drive(numbers, signals, account, servo)
         self._element(component, strains, law, numbers, signals, account, shift)
 
-    def grow(self, growing: Field, sizes: Array) -> None:
-        """Let unknowns of a field of order 0 never shrink: those rest that would.
+    def grow(self, growing: Field, sizes: Array, held: bool = True) -> None:
+        """Let unknowns of a field of order 0 never shrink.
 
-        Either an unknown rests in a step or its equation holds, so that what holds it does no work. The products of
-        `sizes` (n,) and what they have grown by tell how far, as the area of a crack.
+        `held` are those that have no other reason not to: either an unknown rests in a step or its equation holds, so
+        that what holds it does no work. The products of `sizes` (n,) and what they have grown by tell how far, as the
+        area of a crack.
         """
-        self.growing.append((growing, sizes))
+        self.growing.append(Growing(growing, sizes, held))
 
     def term(self, component: Owner, term: Term) -> None:
         """A whole term written in Python."""

@@ -15,6 +15,7 @@ from visviva.material.material import VOLUMETRIC, Kind, Material
 
 Array = NDArray[np.float64]
 Model = Literal["AT1", "AT2"]
+Irreversibility = Literal["active set", "history"]
 SplitName = Literal["none", "volumetric", "spectral"]
 NONE, TRACE, VOLUME, GREEN, LOGARITHMIC = range(5)
 """Splits of the core, see ``visviva/point/fracture.hpp``."""

@@ -22,7 +22,7 @@ from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.phase.crack_law import CrackLaw, Model, SplitName
+from visviva.phase.crack_law import CrackLaw, Irreversibility, Model, SplitName
 
 if TYPE_CHECKING:
     from visviva.model.model import Model as Equations
@@ -35,6 +35,12 @@ HEATED = {
     PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HEATED_FRACTURE_OF_REVOLUTION,
 }
 """The same with free strains."""
+REMEMBERING = {
+    PhysicsKind.FRACTURE: PhysicsKind.HISTORY_FRACTURE,
+    PhysicsKind.FRACTURE_IN_PLANE: PhysicsKind.HISTORY_FRACTURE_IN_PLANE,
+    PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HISTORY_FRACTURE_OF_REVOLUTION,
+}
+"""The same with a history field."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -60,6 +66,12 @@ class FracturingSolid(Solid):
         Share of the stiffness that full damage leaves.
     damage : float, or a function of reference positions (n, 3) with values (n,)
         At the start, 0 to 1: cracks that are there already.
+    irreversibility : {'active set', 'history'}
+        How damage is kept from shrinking. By active sets, nodes that would shrink rest: exact, without work, and the
+        ledger closes. By the history field (Miehe, Hofacker & Welschinger 2010) the largest energy W+ that there has
+        been at a point drives its damage in place of what there is: an energy that is no longer stored counts on, and
+        the ledger's balance tells how much; for comparison with other programs. It takes no `damage` and no
+        `free_strain`.
     free_strain : float, or callable, optional
         The strain, the same in all directions, that heat or drying alone would leave; or ``f(t, X)`` of time and
         reference positions (n, 3) with values (n,). Both parts of the energy are ``(1 + e)^3 W(C / (1 + e)^2)``; what
@@ -94,6 +106,7 @@ class FracturingSolid(Solid):
     split: SplitName = "none"
     residual: Number = 1e-6
     damage: NumberOrFunction = 0.0
+    irreversibility: Irreversibility = "active set"
     free_strain: NumberOrFunction | None = None
 
     def __post_init__(self) -> None:
@@ -113,6 +126,7 @@ class FracturingSolid(Solid):
         _ = self.law.number
         self._refuse_coarse()
         self.start_damages = self._given_damages()
+        self._refuse_beside_history()
 
     def _given_damages(self) -> Array:
         n = self.grid.n_nodes
@@ -141,6 +155,19 @@ class FracturingSolid(Solid):
                 f"{self.label}: takes no thermal_strain, damping or tangent; strains of heat are its free_strain"
             )
 
+    def _refuse_beside_history(self) -> None:
+        if self.irreversibility == "active set":
+            return
+        if self.free_strain is not None:
+            raise InputError(
+                f"{self.label}: irreversibility = 'history' knows no free_strain yet; take 'active set'"
+            )
+        if np.any(self.start_damages):
+            raise InputError(
+                f"{self.label}: irreversibility = 'history' would heal a damage of {self.start_damages.max():g} at the "
+                "start, which no strain has made; cut the mesh open by Mesh.opened, or take 'active set'"
+            )
+
     def _refuse_coarse(self) -> None:
         """Refuse a length of cracks that no cell resolves."""
         size = min(
@@ -166,7 +193,8 @@ class FracturingSolid(Solid):
     def declare(self, model: Equations) -> None:
         super().declare(model)
         self.damaged = model.field(self, "damage", self.start_damages, role=Role.STATE, scale=1.0)
-        model.grow(self.damaged, self._volumes_of_nodes() / (2 * self.length))
+        held = self.irreversibility == "active set"
+        model.grow(self.damaged, self._volumes_of_nodes() / (2 * self.length), held)
         if self.free_strain is not None:
             self._stretched = model.field(self, "free strain", self._free_strains(0.0), role=Role.STATE)
 
@@ -251,6 +279,8 @@ class FracturingSolid(Solid):
         if self.free_strain is not None:
             kind = HEATED[kind]
             groups.append(Group(self._stretched.start + nodes, value))
+        if self.irreversibility == "history":
+            kind = REMEMBERING[kind]
         add_points(model, self, kind, groups, at.volume, self.law.parameters())
         self._evaluations.append(at)
         looks = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))

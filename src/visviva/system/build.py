@@ -51,8 +51,9 @@ def build_core(system: System) -> _core.System:
     core.set_prescribed(*held)
     hand_reductions(core, system)
     core.finalize()
-    if model.growing:
-        core.set_monotone([u for f, _ in model.growing for u in np.asarray(f.unknowns)[~f.fixed].tolist()])
+    resting = [g.field for g in model.growing if g.held]
+    if resting:
+        core.set_monotone([u for f in resting for u in np.asarray(f.unknowns)[~f.fixed].tolist()])
     return core
 
 

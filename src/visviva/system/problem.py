@@ -51,7 +51,8 @@ def problem_of(system: System) -> Problem:
     core, model = system.core, system.model
     fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
-    symmetric = not any(f.role in UNSYMMETRIC for f in fields)
+    potential = all(g.held for g in model.growing)  # the damages that history fields drive have none
+    symmetric = potential and not any(f.role in UNSYMMETRIC for f in fields)
     conduction = temperatures(model) is Temperatures.ALONE
     fluids = {id(f.component) for f in fields if f.role is Role.VELOCITY}
     flow = sum(int(np.sum(~f.fixed)) for f in fields if id(f.component) in fluids)
