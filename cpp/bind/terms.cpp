@@ -5,6 +5,7 @@
 #include "visviva/strain/strain_term.hpp"
 #include "visviva/term/callback_term.hpp"
 #include "visviva/term/inertia_term.hpp"
+#include "visviva/term/mirror.hpp"
 
 using namespace visviva;
 
@@ -77,6 +78,7 @@ void bind_terms(nb::module_& m) {
             t.account = vector_of<int>(account);
             t.component = vector_of<int>(component);
         });
+    nb::class_<Mirror, Term>(m, "Mirror").def(nb::init<std::shared_ptr<Term>>());
     nb::class_<StrainTerm, Term>(m, "StrainTerm")
         .def("__init__",
              [](StrainTerm* t, const std::vector<int>& counts, const Ints& forms, const Ints& quad,

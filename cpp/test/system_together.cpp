@@ -10,6 +10,7 @@
 
 #include "dense.hpp"
 #include "visviva/system/system.hpp"
+#include "visviva/term/mirror.hpp"
 #include "visviva/term/pattern.hpp"
 
 using namespace visviva;
@@ -185,11 +186,13 @@ struct Found {
     int n_patterns = 0;
 };
 
-Found march(Meeting* meeting, int rank, int fails = -1) {
+// What another process adds is evaluated along by those that mirror it.
+Found march(Meeting* meeting, int rank, int fails = -1, bool mirrors = false) {
     System system({2, 2, 2, 0}, {0, 0, 0, 0}, {1, 1, 1, 0});
     const auto stop = std::make_shared<Stop>();
     if (rank != 1) system.add(std::make_shared<Frame>());
     if (rank != 0) system.add(stop);
+    if (rank == 0 && mirrors) system.add(std::make_shared<Mirror>(stop));
     std::unique_ptr<One> together;
     if (meeting) {
         system.set_processes(std::make_unique<One>(*meeting, rank));
@@ -223,12 +226,12 @@ struct Both {
 };
 
 // The second one fails to factor after so many times.
-Both march_both(int fails) {
+Both march_both(int fails, bool mirrors = false) {
     Meeting meeting;
     Both both;
     auto run = [&](int rank) {
         try {
-            both.found[rank] = march(&meeting, rank, rank == 1 ? fails : -1);
+            both.found[rank] = march(&meeting, rank, rank == 1 ? fails : -1, mirrors);
         } catch (const std::exception& error) {
             both.failed[rank] = error.what();
         }
@@ -259,6 +262,20 @@ TEST_CASE("processes take the same branches, patterns, iterations and refusals a
         for (std::size_t k = 0; k < one.x.size(); ++k)
             for (int u = 0; u < 4; ++u)
                 CHECK(found[rank].x[k][u] == doctest::Approx(one.x[k][u]).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("what another process adds decides the same where it is mirrored") {
+    const Found one = march(nullptr, -1);
+    const auto [found, failed] = march_both(-1, true);
+    for (int rank : {0, 1}) {
+        CHECK(failed[rank].empty());
+        CHECK(found[rank].refused == "too much");
+        CHECK(found[rank].n_patterns == 1);
+        CHECK(found[rank].iterations == one.iterations);
+        REQUIRE(found[rank].x.size() == one.x.size());
+        for (int u = 0; u < 4; ++u)
+            CHECK(found[rank].x.back()[u] == doctest::Approx(one.x.back()[u]).epsilon(1e-12));
     }
 }
 

@@ -56,6 +56,19 @@ def test_a_run_goes_on_with_another_number_of_processes(alone: Path, tmp_path: P
     assert differences(alone, tmp_path / "run") < 1e-12
 
 
+TORI = ("-m", "visviva", "run", "tori", "--set", "mesh=coarse", "--step", "0.08", "--no-pictures")
+
+
+def test_an_impact_goes_on_with_another_number_of_processes(tmp_path: Path) -> None:
+    """The tori touch at t = 1.02; what contact remembers is in the files."""
+    for n, run, until in ((0, "alone", 1.6), (2, "run", 1.12), (0, "run", 1.36), (2, "run", 1.6)):
+        more = ("--resume",) if (tmp_path / run).exists() else ()
+        done = launched(n, *TORI, "--until", str(until), "--out", str(tmp_path / run), *more)
+        assert done.returncode == 0, done.stderr
+    assert read_table(tmp_path / "run" / "probes.csv")["active_gaps"].max() > 4
+    assert differences(tmp_path / "alone", tmp_path / "run") < 1e-11
+
+
 def test_what_all_processes_refuse_is_told_once() -> None:
     done = launched(2, "-m", "visviva", "run", "torus", "--set", "counts=[0, 8, 1]")
     assert done.returncode == 2
@@ -63,7 +76,7 @@ def test_what_all_processes_refuse_is_told_once() -> None:
 
 
 def test_what_several_processes_cannot_compute_is_refused_by_name(tmp_path: Path) -> None:
-    done = launched(2, "-m", "visviva", "run", "tori", "--out", str(tmp_path / "run"))
+    done = launched(2, "-m", "visviva", "run", "cylinder", "--out", str(tmp_path / "run"))
     assert done.returncode == 2
     assert done.stderr.count("which several processes cannot compute yet") == 1
     assert not (tmp_path / "run").exists()

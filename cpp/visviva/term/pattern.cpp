@@ -81,6 +81,8 @@ void Pattern::finish(Csr& csr) {
     held_ = std::move(held);
 }
 
+Pattern Pattern::without_equations() const { return Pattern(number_.size()); }
+
 std::int64_t Pattern::position(int row, int col) const {
     const int i = number_[row], j = number_[col];
     if (i < 0 || j < 0) return -1;

@@ -25,6 +25,8 @@ class Pattern {
     void leave_uncoupled();
     /// Sorts what was coupled and fills rows and columns.
     void finish(Csr& csr);
+    /// Of the same unknowns, none of which has an equation.
+    Pattern without_equations() const;
 
     /// Place of the entry (row, col) of unknowns among the values; -1 if one of them has no equation.
     std::int64_t position(int row, int col) const;
@@ -39,10 +41,13 @@ class Pattern {
     Rows rows(int unknown) const;
     std::int64_t n_entries() const { return n_entries_; }
     int n_nodes() const { return static_cast<int>(first_.size()); }
+    std::size_t n_unknowns() const { return number_.size(); }
     /// Equations of fixed unknowns.
     const std::vector<int>& held() const { return held_; }
 
   private:
+    explicit Pattern(std::size_t n_unknowns) : number_(n_unknowns, -1) {}
+
     std::vector<int> number_, first_, size_;  // unknown -> node, node -> first unknown and number of unknowns
     std::vector<std::vector<int>> pairs_;     // per node: coupled nodes, sorted once finished
     std::vector<std::vector<int>> offset_;    // their first columns within the row

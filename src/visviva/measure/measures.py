@@ -11,7 +11,6 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
-from visviva.base.world import world
 from visviva.component.announcements import Asking
 from visviva.component.component import COMPOSITION, Component, mentioned, settings, system_of
 from visviva.component.values import Vector3
@@ -27,10 +26,8 @@ Director = Literal[1, 2, 3]
 
 
 def remembers(system: System) -> bool:
-    """True if materials or terms have histories, which stored states do not contain; the same in all processes."""
-    return bool(world().largest(system.core.histories().size)) or any(
-        term.history for term, _ in system.model.terms
-    )
+    """True if materials or terms have histories, which stored states do not contain."""
+    return bool(system.core.histories().size) or any(term.history for term, _ in system.model.terms)
 
 
 def touches(system: System) -> bool:

@@ -36,9 +36,9 @@ def build_core(system: System) -> _core.System:
     if world().size > 1:
         refuse_unshared(system)
         core.set_processes(world().of_core())
-    shared = [s.term for c in system.components for s in model.announced(c, SharedOut)]
-    for term in terms if world().rank == 0 else shared:
-        core.add(term)
+    shared = {id(s.term) for c in system.components for s in model.announced(c, SharedOut)}
+    for term in terms:
+        core.add(term if world().rank == 0 or id(term) in shared else _core.Mirror(term))
     core.set_blocks(*blocks(model))
     core.set_judged(judged(model))
     core.set_nodes(nodes(model))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
-from visviva.base.world import world
 from visviva.model.term import copies
 from visviva.output.checkpoint import Record, Records
 from visviva.system.turn import alone
@@ -26,8 +25,8 @@ HISTORY_VERSION = 1
 INTERNAL, INTERNAL_VERSION = "histories", 1
 """Record of all internal variables of materials, which hold whatever the next steps are."""
 
-SOLVER, TANGENT = "solver", "tangent"
-"""Names of records of the core: which solver serves, and where the kept factorisation was made."""
+SOLVER = "solver"
+"""Name of the record of the core that tells which solver serves."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -72,11 +71,9 @@ def bring_back(system: System, records: Records, histories_alone: bool = False) 
 
 
 def _known(system: System, records: list[Any]) -> list[Any]:
-    """Records that fit this process: another number of them has other solvers, and the first one has most terms."""
+    """Records that fit this number of processes: another one has other solvers."""
     own = {record.name: record for record in system.core.memory()}
-    kept = [
-        r for r in records if r.name in own or not (r.name == SOLVER or (world().rank and r.name != TANGENT))
-    ]
+    kept = [r for r in records if r.name != SOLVER or SOLVER in own]
     if SOLVER in own and all(r.name != SOLVER for r in kept):
         kept.append(own[SOLVER])
     return kept

@@ -22,6 +22,7 @@ SERVED = (
     Role.MOTION,
     Role.STATE,
     Role.MULTIPLIER,
+    Role.CONTACT_PRESSURE,
     Role.SOLID_PRESSURE,
     Role.CONTENT,
     Role.TEMPERATURE,
@@ -39,8 +40,7 @@ def refuse_unshared(system: System) -> None:
         With the component.
     """
     model = system.model
-    asked = {id(c): "touches others" for c in system.components if c.touches or c.collides}
-    asked |= {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
+    asked = {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
     asked |= {
         id(model.components[k]): "has terms written in Python" for t, k in model.terms if not t.is_alone
     }
