@@ -96,6 +96,7 @@ void bind_choice(nb::module_& m) {
         .value("cholesky", Backend::cholesky)
         .value("pardiso", Backend::pardiso)
         .value("krylov", Backend::krylov)
+        .value("staggered", Backend::staggered)
         .value("outside", Backend::outside);
     nb::enum_<MatrixKind>(m, "MatrixKind")
         .value("definite", MatrixKind::definite)
@@ -130,6 +131,11 @@ void bind_choice(nb::module_& m) {
         .def_rw("tolerance", &LinearChoice::tolerance)
         .def_rw("max_iterations", &LinearChoice::max_iterations)
         .def_rw("restart", &LinearChoice::restart)
+        .def("set_parts",
+             [](LinearChoice& c, const std::vector<LinearChoice>& mechanics,
+                const std::vector<LinearChoice>& heat, const Ints& is_heat) {
+                 c.parts[0] = mechanics, c.parts[1] = heat, c.is_second = flags_of(is_heat);
+             })
         .def("set_outside",
              [](LinearChoice& c, nb::object make) { c.outside = outside_solver(std::move(make)); })
         .def("set_aggregator", [](LinearChoice& c, nb::object f) { c.aggregator = aggregator_of(f); });

@@ -52,6 +52,7 @@ from .joint.lower_pairs import (
     Universal,
 )
 from .linear.choice import Automatic, Direct, Iterative
+from .linear.staggered import Staggered
 from .load.bushing import Bushing
 from .load.distributed import BodyForce
 from .load.drive import JointDamper, JointForce, JointSpring, Motor
@@ -353,6 +354,7 @@ __all__ = [
     "SplineSolid",
     "Spring",
     "SquaredDistance",
+    "Staggered",
     "Static",
     "StepFailure",
     "StoredRun",

@@ -1,7 +1,7 @@
 // Solvers in the order of preference: where one fails, the next takes over, and says so.
 #include <algorithm>
 
-#include "visviva/linear/linear_choice.hpp"
+#include "visviva/linear/staggered.hpp"
 
 namespace visviva {
 
@@ -42,12 +42,21 @@ class Cascade : public LinearSolver, public SolverSequence {
     }
     LinearCapabilities capabilities() override { return {nullptr, this}; }
     std::vector<double> state() const override {
-        return {static_cast<double>(at_), static_cast<double>(served_), static_cast<double>(patience_)};
+        std::vector<double> all = {static_cast<double>(at_), static_cast<double>(served_),
+                                   static_cast<double>(patience_)};
+        if (const SolverSequence* of = sequence()) {
+            const std::vector<double> more = of->state();
+            all.insert(all.end(), more.begin(), more.end());
+        }
+        return all;
     }
     void allow_last_resort(bool on) override { is_allowed_ = on; }
     void set_state(const std::vector<double>& s) override {
         at_ = std::min(static_cast<std::size_t>(s[0]), choices_.size() - 1), served_ = static_cast<int>(s[1]),
         patience_ = static_cast<int>(s[2]);
+        if (s.size() <= own) return;
+        prepare();
+        if (SolverSequence* of = sequence()) of->set_state({s.begin() + own, s.end()});
     }
 
   private:
@@ -60,6 +69,11 @@ class Cascade : public LinearSolver, public SolverSequence {
             if (is_last()) return take_report(false);
             note();
         }
+    }
+
+    // Of the solver that serves, if it has some itself.
+    SolverSequence* sequence() const {
+        return solver_ && prepared_ == at_ ? solver_->capabilities().sequence : nullptr;
     }
 
     bool is_last() const {
@@ -83,6 +97,7 @@ class Cascade : public LinearSolver, public SolverSequence {
         return succeeded;
     }
 
+    static constexpr std::size_t own = 3;  // numbers of the state
     std::vector<LinearChoice> choices_;
     std::unique_ptr<LinearSolver> solver_;
     const Csr* pattern_ = nullptr;
@@ -102,6 +117,8 @@ std::unique_ptr<LinearSolver> make_one(const LinearChoice& choice) {
             return make_pardiso(choice);
         case Backend::krylov:
             return make_krylov(choice);
+        case Backend::staggered:
+            return make_staggered(choice);
         case Backend::outside:
             return choice.outside();
         case Backend::sparse_lu:

@@ -8,7 +8,7 @@
 
 namespace visviva {
 
-enum class Backend { sparse_lu, cholesky, pardiso, krylov, outside };
+enum class Backend { sparse_lu, cholesky, pardiso, krylov, staggered, outside };
 // Known properties of the matrix. Definite: symmetric and positive definite.
 enum class MatrixKind { definite, symmetric, general };
 enum class KrylovMethod { cg, gmres, bicgstab };
@@ -52,6 +52,11 @@ struct LinearChoice {
     int restart = 50;  // of GMRES
     Aggregator aggregator;
     OutsideSolver outside;
+
+    // Staggered: solvers of mechanics and of heat in the order of preference; by unknown whether it is
+    // heat's.
+    std::vector<LinearChoice> parts[2];
+    std::vector<char> is_second;
 };
 
 // The first choice; where it fails, the next ones in their order.

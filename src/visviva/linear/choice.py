@@ -239,7 +239,7 @@ class Choice:
 
 
 class LinearOptions(metaclass=Validated):
-    """Choice of the linear solver; `Automatic`, `Direct` or `Iterative`."""
+    """Choice of the linear solver; `Automatic`, `Direct`, `Iterative` or `Staggered`."""
 
     @abstractmethod
     def choose(self, problem: Problem) -> Choice:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,12 +10,21 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.base.world import world
-from visviva.linear.choice import TINY, Automatic, Direct, Problem, Temperatures, rigid_motions
+from visviva.linear.choice import (
+    TINY,
+    Automatic,
+    Direct,
+    Problem,
+    Temperatures,
+    rigid_motions,
+)
+from visviva.linear.staggered import Halves, Staggered
 from visviva.model.field import Role
 from visviva.system.build import blocks
 from visviva.system.shared import refuse_unshared_solver
 
 if TYPE_CHECKING:
+    from visviva.model.field import Field
     from visviva.model.model import Model
     from visviva.system.system import System
 
@@ -26,6 +36,7 @@ LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
 """Roles of fields carried along by a flow, which make the tangent unsymmetric."""
+HEAT = (Role.CONTENT, Role.TEMPERATURE)
 UNSYMMETRIC = (*CARRIED, Role.POTENTIAL, Role.TEMPERATURE)
 """So do potentials and temperatures: what flows by them and their dependence on what is stored are no transposes."""
 
@@ -49,52 +60,86 @@ def uses_null_space(system: System) -> bool:
 def problem_of(system: System) -> Problem:
     """Tangents of most fields are taken to be symmetric and definite until the solver finds that they are not."""
     core, model = system.core, system.model
-    fields = [f for f in model.fields if not f.is_local]
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
-    potential = all(g.held for g in model.growing)  # the damages that history fields drive have none
+    multipliers = system.n_constraints - core.n_eliminated - core.n_lengths
+    return part_of(system, model.fields, (core.n_equations, core.n_entries), multipliers, condensed)
+
+
+def part_of(
+    system: System, those: Sequence[Field], size: tuple[int, int], multipliers: int, condensed: int
+) -> Problem:
+    """What is to be known of the equations of some fields, from the numbers of these and of their entries."""
+    core = system.core
+    fields = [f for f in those if not f.is_local]
+    potential = all(g.held for g in system.model.growing)  # the damages that history fields drive have none
     symmetric = potential and not any(f.role in UNSYMMETRIC for f in fields)
-    conduction = temperatures(model) is Temperatures.ALONE
+    conduction = temperatures(those) is Temperatures.ALONE
     fluids = {id(f.component) for f in fields if f.role is Role.VELOCITY}
     flow = sum(int(np.sum(~f.fixed)) for f in fields if id(f.component) in fluids)
     # what tied nodes leave may be a flow alone, when solids that it carries have left
     has_flow = bool(fluids) and (not core.n_eliminated or flow == core.n_equations)
     has_flow = has_flow and not any(f.role is Role.CONTENT for f in fields)  # velocities and pressures alone
     return Problem(
-        n=core.n_equations,
-        n_entries=core.n_entries,
+        n=size[0],
+        n_entries=size[1],
         symmetric=symmetric,
         nearly=symmetric and system.has_discrete_gradient and not condensed and not conduction,
         definite=conduction or all(f.role.has_least_energy or f.multiplier for f in fields),
-        n_multipliers=system.n_constraints - core.n_eliminated - core.n_lengths,
+        n_multipliers=multipliers,
         has_modes=any(f.node > 1 for f in fields)
-        and not model.reductions.directors
+        and not system.model.reductions.directors
         and all(f.order > 0 or f.multiplier for f in fields),
         n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
         n_condensed=condensed,
         has_inertia=system.has_inertia,
         regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
-        has_diagonal=bool(condensed or not symmetric) and has_diagonal(model, core.n_eliminated, condensed),
-        temperatures=temperatures(model),
+        has_diagonal=bool(condensed or not symmetric) and has_diagonal(fields, core.n_eliminated, condensed),
+        temperatures=temperatures(those),
         separates=any(f.role is Role.POTENTIAL for f in fields),
         has_flow=has_flow,
         is_flow=has_flow and all(f.order < 2 for f in fields),
     )
 
 
-def temperatures(model: Model) -> Temperatures:
+def halves_of(system: System, whole: Problem) -> Halves:
+    """Mechanics, and heat: entropies and temperatures, with the multipliers that act on no position."""
+    model, slaves = system.model, {m for _, m in system.model.reductions.slaves}
+    row, col, unknown = (np.asarray(a) for a in system.core.csr)
+    first = np.repeat(unknown, np.diff(row))
+    acts = np.bincount(first, system.order[unknown[col]] == 2, model.n_unknowns) > 0
+    heat = [
+        f
+        for f in model.fields
+        if f.role in HEAT or (f.multiplier and not acts[f.start : f.start + f.size].any())
+    ]
+    is_heat = np.zeros(model.n_unknowns, dtype=np.int32)
+    for f in heat:
+        is_heat[f.start : f.start + f.size] = 1
+    free = [int(u) for f in heat if f.multiplier for u in np.asarray(f.unknowns)[~f.fixed]]
+    held = len([u for u in free if u not in slaves])
+    of, other = is_heat[first], is_heat[unknown[col]]
+    sizes = [(int(np.sum(is_heat[unknown] == k)), int(np.sum((of == k) & (other == k)))) for k in (0, 1)]
+    others = [f for f in model.fields if f not in heat]
+    return Halves(
+        part_of(system, others, sizes[0], whole.n_multipliers - held, whole.n_condensed),
+        part_of(system, heat, sizes[1], held, 0),
+        is_heat,
+    )
+
+
+def temperatures(fields: Sequence[Field]) -> Temperatures:
     """Temperatures among the unknowns: alone, by constant properties, or those of solids that deform."""
-    if model.fields and all(
-        f.role is Role.CONTENT and getattr(f.component, "conducts_evenly", False) for f in model.fields
+    if fields and all(
+        f.role is Role.CONTENT and getattr(f.component, "conducts_evenly", False) for f in fields
     ):
         return Temperatures.ALONE
-    roles = {f.role for f in model.fields}
+    roles = {f.role for f in fields}
     coupled = Role.TEMPERATURE in roles and not roles.intersection(CARRIED)
     return Temperatures.COUPLED if coupled else Temperatures.NONE
 
 
-def has_diagonal(model: Model, eliminated: int, condensed: int) -> bool:
+def has_diagonal(fields: Sequence[Field], eliminated: int, condensed: int) -> bool:
     """Whether no entry of the diagonal vanishes: all constraints have left the equations."""
-    fields = [f for f in model.fields if not f.is_local]
     free = sum(int(np.sum(~f.fixed)) for f in fields if f.multiplier)
     pressures = sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE)
     others = any(f.role in (Role.STATE, Role.SOLID_PRESSURE, Role.TEMPERATURE) for f in fields)
@@ -126,7 +171,10 @@ def hand_solvers(system: System) -> str:
         project_in_core(system, by_blocks)
         return f"{core.n_equations} equations: {core.solver}"
     core.set_modes(rigid_modes(system.model))
-    choice = (options or Automatic()).choose(problem)
+    if isinstance(options, Staggered) and problem.temperatures is Temperatures.COUPLED:
+        choice = options.choose_in_turn(problem, halves_of(system, problem))
+    else:
+        choice = (options or Automatic()).choose(problem)
     core.use_linear(list(choice.in_order))
     project_in_core(system, False)
     return choice.explanation if world().size == 1 else f"{world().size} processes, {choice.explanation}"
