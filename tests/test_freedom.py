@@ -237,6 +237,10 @@ def test_what_has_no_mass_begins_in_balance(scheme: vv.Scheme) -> None:
     """About a balance in the middle of steps it would be at 0 and at twice its displacement in turn."""
     with pytest.raises(vv.InputError, match="has no density, and is not in balance at the start"):
         vv.simulate(pulled(None), until=0.1, step=0.01, scheme=scheme)
+    looked_over = pulled(None)
+    looked_over.check()  # which tells, and lets nothing pass
+    with pytest.raises(vv.InputError, match="has no density, and is not in balance at the start"):
+        vv.simulate(looked_over, until=0.1, step=0.01, scheme=scheme)
     balance = vv.quasi_static(pulled("t"), until=1.0, step=1.0).system.x
     slow = vv.simulate(pulled("t"), until=1.0, step=0.1, scheme=scheme).system.x
     assert slow == pytest.approx(balance, abs=1e-3)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import visviva as vv
 from visviva.study.run import run
@@ -206,3 +208,21 @@ def test_overlap_of_rigid_bodies_is_refused() -> None:
     system = vv.System([box, plane, vv.Contact(first=box, second=plane, stiffness=1e5)])
     with pytest.raises(vv.InputError, match="overlap by 2e-06"):
         vv.simulate(system, until=0.1, step=0.01)
+
+
+def test_steps_at_edges_fail_where_they_meet() -> None:
+    """The failure of a pair of edges tells their place; it had taken the pair's number for one of a vertex."""
+    pyramid = [*((x, y, 0.0) for x in (-0.2, 0.2) for y in (-0.2, 0.2)), (0.0, 0.0, 0.4)]
+    sides = [(0, 1, 2), (1, 3, 2), (1, 0, 4), (3, 1, 4), (2, 3, 4), (0, 2, 4)]
+    shape = vv.SurfaceMesh(points=pyramid, triangles=sides)
+    held = vv.RigidBody(shape=shape, density=1.0, position=(100, 0, 0))
+    turned = Rotation.from_rotvec((1e-3, np.pi / 4, 1e-3)).as_matrix()
+    thrown = vv.RigidBody(
+        shape=shape, density=1.0, position=(100, -0.55, 0), rotation=turned, velocity=(0, 1000, 0)
+    )
+    contact = vv.Contact(first=held, second=thrown, enforcement="penalty", stiffness=5.0)
+    with pytest.raises(vv.StepFailure) as failure:
+        vv.simulate(vv.System([held, thrown, contact]), until=0.01, step=1e-3)
+    place = re.search(r"near \(([-\d.e+, ]+)\)", str(failure.value))
+    assert place is not None
+    assert np.linalg.norm(np.array(place[1].split(","), float) - (100, 0, 0)) < 1.0

@@ -31,10 +31,10 @@ Refusal ContactTerm::refuse(const Context& c) {
                                           [&](auto& a, auto& b) { return ways(a) < ways(b); });
     const double parts = fastest == approach.end() ? 0 : std::ceil(2 * ways(*fastest));
     if (parts > most_parts)
-        return refused(static_cast<int>(fastest - approach.begin()),
+        return refused(vertex_of(static_cast<int>(fastest - approach.begin())),
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
-        return refused(A, "the surfaces pass through each other within the step,");
+        return refused(vertex_of(A), "the surfaces pass through each other within the step,");
     if (piercing_ && piercing_->outruns(c.vectors.x0, c.vectors.x1))
         return refused(0, "the bodies pass by more of their width than can be followed in a step,");
     if (Piercing::Piece worst; sinks(c, worst)) {
@@ -45,17 +45,18 @@ Refusal ContactTerm::refuse(const Context& c) {
     }
     if (gives_energy(c)) return refused(0, "an impact that sticks at several vertices would give energy,");
     if (const int A = rubs_too_late(c); A >= 0)
-        return refused(A,
+        return refused(vertex_of(A),
                        "an impact rubs, for which the elastic slip of tangential='penalty' has no time; take "
                        "tangential='multipliers', or enforcement='penalty', with which impacts last,");
     if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
     if (const int A = climbs(c); A >= 0)
         return refused(
-            A,
+            vertex_of(A),
             "a vertex slides into a wall, and the force of the middle of the step, across the floor "
             "before it, would lift it and give energy; take EnergyMomentum or BackwardEuler,");
     if (const int A = gaps_->strays(X0_.data(), X1_.data(), gap0_.data(), gap1_.data()); A >= 0)
-        return refused(A, "the first surface comes in by one side and out by another, past an edge,");
+        return refused(vertex_of(A),
+                       "the first surface comes in by one side and out by another, past an edge,");
     return {};
 }
 
@@ -92,6 +93,11 @@ double ContactTerm::deepest() const {
     double seen = 0;
     for (int A = 0; A < gaps_->n(); ++A) seen = std::max(seen, depth(A, gap1_, area1_));
     return seen;
+}
+
+int ContactTerm::vertex_of(int gap) const {
+    const std::vector<int>& own = gaps_->stencil(gap);
+    return own.empty() ? gap % std::max(gaps_->n_first(), 1) : own[0];
 }
 
 Refusal ContactTerm::refused(int vertex, const std::string& why) const {

@@ -124,6 +124,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     // Whether gaps close freely, and are held from then on.
     bool holds(const Context& c) const { return (options_.conserving || rebounds()) && !c.step.is_static(); }
     bool is_discrete(const Step& s) const { return s.stress == Stress::discrete_gradient; }
+    int vertex_of(int gap) const;
     Refusal refused(int vertex, const std::string& why) const;
     Refusal refused(const double* place, int vertex, const std::string& why) const;
     int passes(const std::vector<Approach>&, int n_parts);

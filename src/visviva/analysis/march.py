@@ -152,7 +152,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)
-    is_new = changes or system.report is None
+    is_new = changes or system.report is None or system.is_given  # `System.check` tells, and refuses nothing
     if is_new:
         (refuse_massless if scheme.has_inertia else refuse_free)(system)
     if changes:
