@@ -62,6 +62,40 @@ def test_what_is_refused(options: dict[str, Any], message: str) -> None:
     assert "plate" in str(found.value) or "model" in options
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"free_strain": 0.01}, r"takes no free_strain; heat strains it, by vv.Heat\(expansion="),
+        ({"irreversibility": "history"}, "'history' knows no heat yet"),
+        ({"lumped": True, "density": 1.0}, "takes no lumped masses"),
+        ({"cracked_conductivity": 0.0}, "cracked_conductivity = 0 is no share"),
+        ({"cracked_conductivity": 1.5}, "cracked_conductivity = 1.5 is no share"),
+        ({"heat": vv.Heat(conductivity=1.0, capacity=1.0, moduli_slope=1e-3)}, "moduli_slope = 0.001"),
+        ({"temperature": -1.0}, "not above absolute zero"),
+        ({"plane": "stress"}, "plane = 'stress' does not crack yet"),
+        (
+            {
+                "material": None,
+                "heat": vv.UserHeat(function=lambda C, T: 3.0 * (T - T * np.log(T)), conductivity=1.0),
+            },
+            "material",
+        ),
+    ],
+)
+def test_what_is_refused_where_heat_flows(options: dict[str, Any], message: str) -> None:
+    heat = vv.Heat(conductivity=1.0, capacity=1.0)
+    with pytest.raises(vv.InputError, match=message):
+        vv.ThermalFracturingSolid(**{**GOOD, "heat": heat, **options})
+
+
+def test_going_to_and_fro_is_refused_where_heat_hides_the_energy_of_cracks() -> None:
+    heat = vv.Heat(conductivity=1.0, capacity=1.0)
+    solid = vv.ThermalFracturingSolid(**{**GOOD, "heat": heat})
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="y0")])
+    with pytest.raises(vv.InputError, match="'plate' holds heat, beside which"):
+        vv.quasi_static(system, until=1.0, step=0.5, scheme=vv.AlternateMinimization())
+
+
 @pytest.mark.parametrize("strain", [lambda t, X: 0.0, lambda t, X: np.full(len(X), -2.0)])
 def test_free_strains_are_those_of_the_nodes(strain: Any) -> None:
     solid = vv.FracturingSolid(**{**GOOD, "free_strain": strain})

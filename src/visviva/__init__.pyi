@@ -131,6 +131,7 @@ from .phase.mixture_solid import MixtureSolid
 from .phase.mobility import ArrheniusMobility, DegenerateMobility, UserMobility
 from .phase.phase_boundaries import ConcentrationSource, PrescribedConcentration, Wetting
 from .phase.spline_mixture import SplineMixtureSolid
+from .phase.thermal_fracturing_solid import ThermalFracturingSolid
 from .results.result import Result
 from .scheme.schemes import (
     BDF2,
@@ -368,6 +369,7 @@ __all__ = [
     "Term",
     "ThermalBeam",
     "ThermalBody",
+    "ThermalFracturingSolid",
     "ThermalShell",
     "ThermalSpring",
     "ThermalStrain",

@@ -78,7 +78,45 @@ def cooled(plane: Any = None) -> Components:
     return [body]
 
 
+def warm(plane: Any = None, **options: Any) -> Components:
+    mesh: Any = vv.BoxMesh(size=(1, 0.8, 0.6), counts=(2, 1, 1))
+    if plane:
+        mesh = vv.RectangleMesh(size=(1, 0.8), counts=(3, 2), origin=(0.2, 0))
+    body = vv.ThermalFracturingSolid(
+        mesh=mesh,
+        density=1.0,
+        toughness=0.5,
+        length=1.0,
+        plane=plane or "strain",
+        heat=vv.Heat(conductivity=0.3, capacity=0.2, expansion=2e-3, reference=300.0, capacity_slope=1e-3),
+        cracked_conductivity=0.2,
+        **options,
+    )
+    return [body]
+
+
+def flying(plane: Any = None, **options: Any) -> Components:
+    return warm(plane, temperature=lambda X: 300 + 10 * X[:, 0], velocity=lambda X: X * X, **options)
+
+
+def warmed() -> Components:
+    """Without functions of Python."""
+    (body,) = warm("strain", material=GREEN, model="AT1", split="spectral")
+    assert isinstance(body, vv.ThermalFracturingSolid)
+    hot = vv.PrescribedTemperature(body=body, nodes="x0", value="300 - 200*t")
+    return [body, vv.Fixed(solid=body, nodes="x1"), hot]
+
+
 FRACTURE = [
+    Entry("cracking brick, warm", lambda: flying(material=GREEN, split="spectral"), ALL, steps=20),
+    Entry(
+        "cracking plate, warm",
+        lambda: flying("strain", material=HENCKY, split="volumetric"),
+        IN_PLANE,
+        steps=20,
+    ),
+    Entry("cracking ring, warm", lambda: flying("axisymmetric", material=GREEN), ENERGY, steps=20),
+    Entry("cracking plate, warmed", warmed, NOTHING, steps=20),
     Entry("cracking brick, cooled", cooled, MOMENTA, steps=20),
     Entry("cracking plate, cooled", lambda: cooled("strain"), PLANE_MOMENTA, steps=20),
     Entry("cracking ring, cooled", lambda: cooled("axisymmetric"), NOTHING, steps=20),

@@ -175,8 +175,7 @@ struct CrackDriving {
 
 /// g(d) W+(C) + W-(C) + w(d) + |grad d|^2 / 2 times its factor, g = (1 - rest) (1 - d)^2 + rest,
 /// w = local ((1 - linear) d^2 + linear d). Not inlined by parts: many materials are behind respond().
-/// With a free strain s behind grad d both parts are (1 + s)^3 W(C / (1 + s)^2). It is prescribed, so that
-/// second derivatives by it are left out.
+/// With a free strain s behind grad d both parts are (1 + s)^3 W(C / (1 + s)^2).
 template <bool stretches>
 struct FractureEnergy : PlainEnergy {
     static constexpr int n = stretches ? 11 : 10, max_par = fracture::n_par, n_blocks = stretches ? 3 : 2;
@@ -264,8 +263,29 @@ struct FractureEnergy : PlainEnergy {
                 to.d[packed(n, k, 6)] = g1 * stretch * (whole.s[k] - minus.s[k]);
             }
             to.d[packed(n, 6, 6)] = g2 * plus + 2.0 * (1.0 - linear) * local;
+            if constexpr (stretches) add_second(at, stretch, c, g1, plus, strain, pull, to);
             for (int k = 7; k < 10; ++k) to.d[packed(n, k, k)] = 2.0 * along;
         }
+    }
+
+  private:
+    /// Second derivatives by the free strain.
+    void add_second(const Parts& at, V stretch, const V* c, V g1, V plus, V strain, V pull,
+                    Potential<n>& to) const {
+        const V less = 1.0 / stretch;
+        V full[6], pull_plus{}, bend{};
+        for (int k = 0; k < 6; ++k) {
+            full[k] = weight(k) * (c[k] + (k < 3 ? 1.0 : 0.0));
+            pull_plus += full[k] * (at.whole.s[k] - at.minus.s[k]);
+        }
+        for (int k = 0; k < 6; ++k) {
+            V sum{};
+            for (int l = 0; l < 6; ++l) sum += stretch * to.second(k, l) * full[l];
+            to.d[packed(n, k, 10)] = less * to.s[k] - 2.0 * sum;
+            bend += full[k] * sum;
+        }
+        to.d[packed(n, 6, 10)] = g1 * (3.0 * less * plus - 2.0 * stretch * stretch * pull_plus);
+        to.d[packed(n, 10, 10)] = 6.0 * less * less * strain - 6.0 * pull + 4.0 * stretch * bend;
     }
 };
 

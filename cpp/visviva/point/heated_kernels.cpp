@@ -1,6 +1,7 @@
 // The kernels of the physics of heated_list.hpp. Compiled once per instruction set.
 #include "visviva/point/heat_stores.hpp"
 #include "visviva/point/heated_branch.hpp"
+#include "visviva/point/heated_fracture.hpp"
 #include "visviva/point/point_kernel.hpp"
 
 namespace visviva::VISVIVA_ISA {

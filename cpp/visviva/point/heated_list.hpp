@@ -5,4 +5,7 @@ VISVIVA_PHYSICS(heat_store, HEAT_STORE, StoreMap, StoreEnergy, StorePairing)  //
 VISVIVA_PHYSICS(heated_spring, HEATED_SPRING, SpringMap, SpringEnergy, SpringPairing)  // squared distance, s, theta
 VISVIVA_PHYSICS(heated_beam, HEATED_BEAM, HeatedBeamMap, HeatedSectionEnergy, HeatedSectionPairing)  // Gamma, K, three s and theta
 VISVIVA_PHYSICS(heated_layer, HEATED_LAYER, HeatedLayerMap, HeatedLayerEnergy, HeatedLayerPairing)  // of a shell: C, s, theta
+VISVIVA_PHYSICS(conducting_fracture, CONDUCTING_FRACTURE, ConductingMap<SolidScalarMap>, HeatedFractureEnergy, HeatedFracturePairing)  // C, d, s, theta
+VISVIVA_PHYSICS(conducting_fracture_in_plane, CONDUCTING_FRACTURE_IN_PLANE, ConductingMap<PlaneScalarMap>, HeatedFractureEnergy, HeatedFracturePairing)
+VISVIVA_PHYSICS(conducting_fracture_of_revolution, CONDUCTING_FRACTURE_OF_REVOLUTION, ConductingMap<RevolutionScalarMap>, HeatedFractureEnergy, HeatedFracturePairing)
 // clang-format on

@@ -104,16 +104,17 @@ struct HeatPairing {
     }
 
     /// What tests the entropy, its gradient, the temperature and its gradient (8), by the temperature, its
-    /// gradient, the rate of the entropy and D_s e.
+    /// gradient, the rate of the entropy and D_s e. Of the conductivity there may be a share left.
     template <class T>
     static VISVIVA_INLINE void balance(const T& theta, const T* slope, const T& rate, const T& conjugate,
-                                       const V* par, const T* C, T* f) {
+                                       const V* par, const T* C, T* f, const T* left = nullptr) {
         T flux[3];
         conduct(C, par + thermal::conductivity, slope, flux);
         if (!all(par[thermal::conductivity_slope] == 0.0)) {
             const T factor = par[thermal::conductivity_slope] * (theta - par[thermal::zero]) + broadcast(1.0);
             for (int a = 0; a < 3; ++a) flux[a] = factor * flux[a];
         }
+        for (int a = 0; left && a < 3; ++a) flux[a] = *left * flux[a];
         const T over = inverse(theta);
         f[0] = rate;
         for (int a = 0; a < 3; ++a) {

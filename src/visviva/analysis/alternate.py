@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from visviva.analysis.load_steps import Equilibrium, LoadReport, NoEquilibrium, Static
 from visviva.base.arguments import bounded
 from visviva.base.errors import InputError, NotFinite
+from visviva.model.field import Role
 from visviva.model.state import State
 from visviva.system.system import System
 
@@ -75,6 +76,13 @@ class AlternateMinimization(Static):
                 "vv.AlternateMinimization: nothing here has damage; take vv.Static() for a system without "
                 "vv.FracturingSolid"
             )
+        warm = {id(f.component) for f in state.model.fields if f.role is Role.TEMPERATURE}
+        for growing in state.model.growing:
+            if id(growing.field.component) in warm:
+                raise InputError(
+                    f"vv.AlternateMinimization: {growing.field.component.label} holds heat, beside which the energy of "
+                    "its cracks tells nothing; take vv.Static() or vv.CrackControl(growth=...)"
+                )
 
 
 @dataclass

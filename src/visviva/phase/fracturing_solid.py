@@ -252,12 +252,16 @@ class FracturingSolid(Solid):
             return np.asarray(self.positions(x)[nodes[some]])
 
         def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
-            stretch = 1 + self.free_strains(x)[of] @ N.T
+            stretch = self._stretches(x, of, N)
             d, inner = self.damages(x)[of] @ N.T, C / stretch[..., None] ** 2
             W, S = self.law.respond(inner.reshape(-1, 6), d.ravel())
             return stretch[..., None] * S.reshape(C.shape), stretch**3 * W.reshape(d.shape)
 
         return StressedCells(nodes, g.gradients, g.volume, N, vectors, respond, g.hoop)
+
+    def _stretches(self, x: Array, of: Ints, N: Array) -> Array:
+        """Stretches (m, q) that heat alone would leave between nodes (m, k)."""
+        return np.asarray(1 + self.free_strains(x)[of] @ N.T)
 
     def _made(self, model: Equations, cell: str, nodes: Ints, first: int) -> Elements:
         at = self._evaluation(
@@ -276,15 +280,21 @@ class FracturingSolid(Solid):
             Group(self.node_unknowns(nodes), weights, mass, True),
             Group(self.damaged.start + nodes, scalar),
         ]
-        if self.free_strain is not None:
-            kind = HEATED[kind]
-            groups.append(Group(self._stretched.start + nodes, value))
-        if self.irreversibility == "history":
-            kind = REMEMBERING[kind]
-        add_points(model, self, kind, groups, at.volume, self.law.parameters())
+        self._add_cells(model, kind, groups, at, scalar)
         self._evaluations.append(at)
         looks = self._evaluation(cell, nodes, solid_rule(self.grid.points, nodes, cell))
         return looks.elements(cell, first)
+
+    def _add_cells(
+        self, model: Equations, kind: PhysicsKind, groups: list[Group], at: StressedCells, scalar: Array
+    ) -> None:
+        """Add cells with positions and damages, and what else their nodes have, weighted like damages by `scalar`."""
+        if self.free_strain is not None:
+            kind = HEATED[kind]
+            groups.append(Group(self._stretched.start + at.nodes, scalar[..., :1]))
+        if self.irreversibility == "history":
+            kind = REMEMBERING[kind]
+        add_points(model, self, kind, groups, at.volume, self.law.parameters())
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)

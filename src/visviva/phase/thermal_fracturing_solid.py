@@ -1,0 +1,144 @@
+"""Solids that crack and conduct heat."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic.dataclasses import dataclass
+
+from visviva import _core
+from visviva.base.errors import InputError
+from visviva.body.stressed_cells import StressedCells
+from visviva.component.component import settings
+from visviva.component.values import Number
+from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.phase.fracturing_solid import FracturingSolid
+from visviva.thermal.heat import Heat
+from visviva.thermal.thermoelastic_solid import ThermoelasticSolid
+
+if TYPE_CHECKING:
+    from visviva.model.model import Model
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+CONDUCTING = {
+    PhysicsKind.FRACTURE: PhysicsKind.CONDUCTING_FRACTURE,
+    PhysicsKind.FRACTURE_IN_PLANE: PhysicsKind.CONDUCTING_FRACTURE_IN_PLANE,
+    PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.CONDUCTING_FRACTURE_OF_REVOLUTION,
+}
+"""The same with entropies and temperatures."""
+DOUBLE = np.array([1.0, 1, 1, 2, 2, 2])
+
+
+@dataclass(config=settings, eq=False, kw_only=True)
+class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
+    """A solid that cracks and conducts heat: its nodes have damages, entropies and temperatures beside positions.
+
+    Takes the arguments of `FracturingSolid` without ``free_strain`` and ``irreversibility="history"``, those of
+    `ThermoelasticSolid`, in the plane too, and
+
+    Parameters
+    ----------
+    cracked_conductivity : float
+        Share of the conductivity that full damage leaves; in between it falls with the square of what is sound.
+
+    Notes
+    -----
+    The internal energy is ``(1 + e)^3 (g(d) W+(C / (1 + e)^2) + W-(C / (1 + e)^2))`` with the energy of cracks and the
+    heat content of ``t``, where ``e = expansion (t - reference)`` and t is the temperature that the entropy has without
+    strain. So free expansion drives no crack. The moduli are those at constant entropy, which exceed those at constant
+    temperature by the share ``T (3 K expansion)^2 / (M c)``, a hundredth and less of ceramics and metals; the
+    temperature ``T = d energy / d entropy`` is t with the heat of straining. Entropy is balanced as in
+    `ThermoelasticSolid`: with the energy-momentum scheme kinetic, elastic and crack energy and heat are together kept
+    to round-off, while damage never shrinks and entropy never falls. Moduli and toughness do not depend on the
+    temperature.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> alumina = vv.SaintVenantKirchhoff(young=340e9, poisson=0.22)
+    >>> plate = vv.ThermalFracturingSolid(
+    ...     mesh=vv.RectangleMesh(size=(0.01, 0.01), counts=(10, 10)),
+    ...     material=alumina,
+    ...     heat=vv.Heat(conductivity=20.0, capacity=3.5e6, expansion=8e-6),
+    ...     toughness=42.0,
+    ...     length=2e-3,
+    ...     density=3900.0,
+    ...     temperature=600.0,
+    ... )
+    >>> cold = vv.PrescribedTemperature(body=plate, nodes="y0", value=300.0)
+    >>> system = vv.System([plate, cold])
+    >>> float(plate.damages(system.x).max())
+    0.0
+    """
+
+    cracked_conductivity: Number = 1.0
+
+    def _refuse_others(self) -> None:
+        FracturingSolid._refuse_others(self)
+        if self.free_strain is not None:
+            raise InputError(
+                f"{self.label}: takes no free_strain; heat strains it, by vv.Heat(expansion=...)"
+            )
+        if self.irreversibility != "active set":
+            raise InputError(
+                f"{self.label}: irreversibility = 'history' knows no heat yet; take 'active set'"
+            )
+        if self.lumped:
+            raise InputError(f"{self.label}: takes no lumped masses")
+        if not 0 < self.cracked_conductivity <= 1:
+            raise InputError(
+                f"{self.label}: cracked_conductivity = {self.cracked_conductivity:g} is no share from above 0, where "
+                "cracked nodes have no temperature, to 1"
+            )
+        if self._own_heat.moduli_slope:
+            raise InputError(
+                f"{self.label}: moduli_slope = {self._own_heat.moduli_slope:g}: moduli of what cracks do not change "
+                "with the temperature yet; leave it 0"
+            )
+        self._refuse_heat(self._own_heat)
+
+    @property
+    def _own_heat(self) -> Heat:
+        if not isinstance(self.heat, Heat):
+            raise InputError(f"{self.label}: {type(self.heat).__name__} does not crack yet; take vv.Heat")
+        return self.heat
+
+    def remarks(self) -> list[str]:
+        return [*FracturingSolid.remarks(self), *ThermoelasticSolid.remarks(self)]
+
+    # --- what it contributes -------------------------------------------------------------------------------
+    def contribute(self, model: Model) -> None:
+        ThermoelasticSolid.contribute(self, model)
+
+    def _add_cells(
+        self, model: Model, kind: PhysicsKind, groups: list[Group], at: StressedCells, scalar: Array
+    ) -> None:
+        heat = self._own_heat.parameters(self.body_material)[: -_core.MATERIAL_PARAMETERS]
+        heat[3:5] = self._own_heat.expansion, self.cracked_conductivity  # see point/heated_fracture.hpp
+        for field in (self.entropy, self.algorithmic):
+            groups.append(Group(field.start + at.nodes, scalar))
+        parameters = [*heat, *self.law.parameters()]
+        self._conducts.append(add_points(model, self, CONDUCTING[kind], groups, at.volume, parameters))
+
+    def _unstrained(self, x: Array, of: Ints, N: Array) -> Array:
+        """Temperatures (m, q) that the entropies of nodes (m, k) have without strain."""
+        return self._own_heat.stores.temperature(x[self.entropy.start + of] @ N.T)
+
+    def _stretches(self, x: Array, of: Ints, N: Array) -> Array:
+        heat = self._own_heat
+        return 1 + heat.expansion * (self._unstrained(x, of, N) - heat.reference)
+
+    # --- what it shows -------------------------------------------------------------------------------------
+    def temperatures(self, x: Array) -> Array:
+        """Temperatures (n,) of the nodes at the unknowns `x` of the system, projected from the quadrature points."""
+        return self._projection([self._temperatures_at(x, part) for part in self._evaluations])
+
+    def _temperatures_at(self, x: Array, part: StressedCells) -> Array:
+        heat, (_, C) = self._own_heat, part.strains(x)
+        S, W = part.respond(x, part.nodes, C)
+        t, stretch = self._unstrained(x, part.nodes, part.N), self._stretches(x, part.nodes, part.N)
+        by_stretch = (3 * W - (S * C) @ DOUBLE) / stretch
+        return np.asarray(t * (1 + heat.expansion * by_stretch / heat.stores.at(t)))

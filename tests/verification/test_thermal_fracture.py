@@ -1,0 +1,157 @@
+"""Solids that crack and conduct heat: free and held expansion, conduction, Kelvin's heat of straining, both laws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+YOUNG, TOUGHNESS, LENGTH, EXPANSION = 1.0, 3e-10, 0.5, 1e-6
+GREEN = vv.SaintVenantKirchhoff(young=YOUNG, poisson=0.3)
+HEAT = vv.Heat(conductivity=1.0, capacity=1.0, expansion=EXPANSION, reference=300.0)
+
+
+def bar(**options: Any) -> vv.ThermalFracturingSolid:
+    given: dict[str, Any] = {
+        "mesh": vv.BoxMesh(size=(1, 0.5, 0.5), counts=(2, 1, 1)),
+        "material": GREEN,
+        "heat": HEAT,
+        "toughness": TOUGHNESS,
+        "length": LENGTH,
+        "name": "bar",
+        **options,
+    }
+    return vv.ThermalFracturingSolid(**given)
+
+
+def cooled(solid: vv.ThermalFracturingSolid, value: str, *supports: vv.Component) -> vv.System:
+    """A bar on planes of symmetry whose nodes have temperatures."""
+    planes = [
+        vv.SymmetryPlane(solid=solid, nodes=nodes, normal=normal)
+        for nodes, normal in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)), ("z0", (0, 0, 1)))
+    ]
+    given = vv.PrescribedTemperature(body=solid, nodes="all", value=value)
+    return vv.System([solid, *planes, *supports, given])
+
+
+@pytest.mark.parametrize("rise", [100, -100])
+def test_what_expands_freely_does_not_crack(rise: float) -> None:
+    solid = bar()
+    system = cooled(solid, f"300 + {rise}*t")
+    vv.quasi_static(system, until=1.0, step=0.5, scheme=vv.Static())
+    assert solid.damages(system.x).max() < 1e-12
+    assert solid.crack_energy(system.x) < 1e-12 * TOUGHNESS
+    stretch = solid.positions(system.x)[:, :3] - (1 + rise * EXPANSION) * solid.points
+    assert np.abs(stretch).max() < 1e-12
+
+
+def test_a_bar_that_is_held_cracks_at_the_closed_form_strain() -> None:
+    """AT1: nothing until alpha dT = sqrt(3 Gc / 8 l E), in a step of a hundredth of that."""
+    critical = np.sqrt(3 * TOUGHNESS / (8 * LENGTH * YOUNG))
+    solid = bar(model="AT1")
+    drop = float(critical / EXPANSION)
+    held = vv.Fixed(solid=solid, nodes="x1", directions=(True, False, False))
+    system = cooled(solid, f"300 - {drop!r}*t", held)
+    found = []
+    for _ in vv.march(system, until=1.1, step=0.01, scheme=vv.Static(unstable=True)):
+        found.append((system.time, solid.damages(system.x).max()))
+    t, d = np.array(found).T
+    assert d[t < 0.9951].max() < 1e-12
+    assert d[t > 1.0051].min() > 1e-3
+
+
+def test_damage_of_a_cooled_bar_that_is_held() -> None:
+    """AT2: d = E e^2 / (E e^2 + Gc / l) of e = alpha dT."""
+    solid = bar()
+    held = vv.Fixed(solid=solid, nodes="x1", directions=(True, False, False))
+    system = cooled(solid, "300 - 40*t", held)
+    for _ in vv.march(system, until=1.0, step=0.1, scheme=vv.Static(unstable=True)):
+        drive = YOUNG * (40 * system.time * EXPANSION) ** 2
+        assert solid.damages(system.x) == pytest.approx(drive / (drive + TOUGHNESS / LENGTH), rel=2e-4)
+    assert solid.damages(system.x).min() > 0.5
+
+
+def conducting(kind: type[vv.ThermoelasticSolid], mesh: Any, **options: Any) -> tuple[Any, np.ndarray]:
+    heat = vv.Heat(conductivity=2.0, capacity=3.0, reference=300.0)
+    body = kind(
+        mesh=mesh,
+        material=GREEN,
+        density=1e-3,
+        heat=heat,
+        temperature=lambda X: 320 + 40 * np.cos(np.pi * X[:, 0]),
+        **options,
+    )
+    system = vv.System([body, vv.Fixed(solid=body, nodes="all")])
+    vv.simulate(system, until=0.1, step=0.01)
+    return body, body.temperatures(system.x)
+
+
+def test_heat_flows_as_where_nothing_cracks() -> None:
+    """As in a `ThermoelasticSolid`, to rounding, in the plane too; a cosine decays as exp(-pi^2 k t / c)."""
+    box = vv.BoxMesh(size=(1, 0.1, 0.1), counts=(16, 1, 1))
+    crack: dict[str, Any] = {"toughness": 1.0, "length": 0.5}
+    body, known = conducting(vv.ThermoelasticSolid, box)
+    _, found = conducting(vv.ThermalFracturingSolid, box, **crack)
+    np.testing.assert_allclose(found, known, rtol=1e-12)
+    flat = vv.RectangleMesh(size=(1, 0.1), counts=(16, 1))
+    plate, found = conducting(vv.ThermalFracturingSolid, flat, **crack)
+    row, other = (np.argsort(b.points[b.nodes("y0"), 0]) for b in (plate, body))
+    in_plane, in_space = found[plate.nodes("y0")[row]], known[body.nodes("y0")[other]].reshape(17, 2)[:, 0]
+    np.testing.assert_allclose(in_plane, in_space, rtol=1e-12)
+    decay = np.exp(-(np.pi**2) * 2.0 / 3.0 * 0.1)
+    assert np.ptp(known) == pytest.approx(80 * decay, rel=0.01)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.25])
+def test_a_crack_lets_a_share_of_the_heat_through(share: float) -> None:
+    """Through a bar that is damaged evenly: dT = q L / k (share + (1 - share) (1 - d)^2)."""
+    solid = bar(damage=0.4, cracked_conductivity=share, heat=vv.Heat(conductivity=2.0, capacity=1.0))
+    cold = vv.PrescribedTemperature(body=solid, nodes="x0", value=290)
+    heated = vv.HeatFlux(body=solid, faces="x1", flux=5.0)
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="all"), cold, heated])
+    vv.quasi_static(system, until=1.0, step=1.0, scheme=vv.Static())
+    left = share + (1 - share) * 0.6**2
+    rise = solid.temperatures(system.x)[solid.nodes("x1")] - 290
+    assert rise == pytest.approx(5.0 / (2.0 * left), rel=1e-4)
+
+
+def test_straining_cools_as_kelvin_says() -> None:
+    """dT = -3 K alpha T tr(e) / c where no heat flows in; the core's temperature is that of Python."""
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, expansion=1e-4, reference=300.0)
+    solid = bar(heat=heat, density=1e-6, toughness=1.0)
+    moved = vv.Prescribed(solid=solid, nodes="all", motion=lambda t, X: 1e-6 * t * X)
+    system = vv.System([solid, moved])
+    vv.simulate(system, until=1.0, step=1.0, scheme=vv.BackwardEuler())
+    cooling = 3 * (YOUNG / (3 * (1 - 0.6))) * 1e-4 * 300 * 3e-6
+    found = solid.temperatures(system.x)
+    assert found - 300 == pytest.approx(-cooling, rel=1e-4)
+    np.testing.assert_allclose(system.x[solid.algorithmic.unknowns], found, rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", ["AT1", "AT2"])
+def test_energy_and_entropy_of_a_bar_that_breaks(model: Any) -> None:
+    """Kinetic, elastic and crack energy and heat are kept to rounding, with momenta; entropy never falls."""
+    solid = vv.ThermalFracturingSolid(
+        mesh=vv.RectangleMesh(size=(4, 1), counts=(16, 4)),
+        material=vv.NeoHooke(young=100.0, poisson=0.3),
+        density=1.0,
+        toughness=0.02,
+        length=0.5,
+        model=model,
+        heat=vv.Heat(conductivity=0.1, capacity=0.5, expansion=1e-3, reference=300.0),
+        temperature=lambda X: 300 + 20 * X[:, 1],
+        cracked_conductivity=0.1,
+        velocity=lambda X: np.stack([1.1 * (X[:, 0] - 2), 0 * X[:, 0], 0 * X[:, 0]], axis=1),
+    )
+    result = vv.simulate(vv.System([solid]), until=0.3, step=0.01)
+    assert solid.damages(result.states[-1]).max() > 0.95
+    total = result.ledger["total"]
+    assert np.abs(total - total[0]).max() < 1e-12 * result.ledger.energy_scale
+    assert max(result.conservation().values()) < 1e-11
+    entropy = [solid.total_entropy(x) for x in result.states]
+    assert np.diff(entropy).min() > 0
+    steps = zip(result.states, result.states[1:], strict=False)
+    assert all((solid.damages(b) >= solid.damages(a)).all() for a, b in steps)
