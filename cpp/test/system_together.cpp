@@ -142,7 +142,7 @@ class Stop : public Term, public NeighbourSearch {
     void connect(const Pattern& p) override {
         for (int a : {1, 2})
             for (int b : {1, 2})
-                if (a == b || near_) at_[a - 1][b - 1] = p.position(a, b);
+                if (a == b || near_) at_[a - 1][b - 1] = at_or_behind(p, a, b);
     }
     void residual(const Context& c, double* r) override {
         const double* x = c.vectors.x1;
@@ -175,6 +175,11 @@ class Stop : public Term, public NeighbourSearch {
     int n_patterns = 0;
 
   private:
+    // What has no equation here goes behind the last entry.
+    static std::int64_t at_or_behind(const Pattern& p, int row, int col) {
+        const std::int64_t at = p.position(row, col);
+        return at < 0 ? p.n_entries() : at;
+    }
     bool near_ = false, closed_ = false, was_closed_ = false;
     std::int64_t at_[2][2];
 };

@@ -195,6 +195,39 @@ def bouncing() -> list[Any]:
     return [solid, spun, box, small, falling, plane, vv.Fixed(solid=solid, nodes="y0"), *contacts, weight]
 
 
+def weightless() -> list[Any]:
+    """A mass on a block without, whose nodes have rates to keep."""
+    solid = block(density=0.0)
+    mass = vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(1.0, 0.4, 0.35))
+    end = vv.RigidCoupling(solid=solid, faces="x1")
+    weld = vv.Rigid(a=mass, b=end, at=(1.0, 0.4, 0.35))
+    return [solid, end, mass, weld, vv.Fixed(solid=solid, nodes="x0"), vv.Gravity()]
+
+
+def led() -> list[Any]:
+    """An arm that a servo constraint turns, beside a block."""
+    ground, arm = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1.0, 1.0, 2.0), position=(4, 0, 0))
+    axle = vv.Revolute(a=ground, b=arm, at=(3, 0, 0), axis=(0, 0, 1))
+    height = vv.Position(of=arm, direction=(0, 1, 0))
+    servo = vv.Servo(output=[height], follows=["0.5*sin(3*t**2)"], actuators=[axle])
+    return [*hanging(), ground, arm, axle, servo]
+
+
+def pulled() -> list[Any]:
+    """Functions of the user: a force that reads the clock, a potential between a block and a ball."""
+    solid, ball = block(), vv.PointMass(mass=1.0, position=(2, 0.4, 0.35))
+    force = vv.Force(on=ball, force=lambda t, x, v: (np.sin(5 * t), -v[1], x[0]))
+    apart = vv.SquaredDistance(a=solid.point((1.0, 0.4, 0.35)), b=ball)
+    spring = vv.Potential(of=[apart], energy=lambda e: 5 * (e[0] - 0.5) ** 2)
+    return [solid, ball, force, spring, vv.Fixed(solid=solid, nodes="x0"), vv.Gravity()]
+
+
+def turning() -> list[Any]:
+    """A body and a block, seen from a frame that turns."""
+    body = vv.RigidBody(mass=2.0, inertia=(1, 1.5, 2), position=(3, 0, 0), angular_velocity=(0, 1, 0.2))
+    return [*hanging(), body, vv.RotatingFrame(angular_velocity=(0.3, -0.2, 0.5))]
+
+
 DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
 CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "flying": (flying, DYNAMICS),
@@ -224,6 +257,11 @@ CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "colliding, rubbing": (lambda: colliding(friction=0.3), DYNAMICS),
     "resting": (resting, STATICS),
     "bouncing": (bouncing, DYNAMICS),
+    "weightless": (weightless, vv.VariationalMidpoint()),
+    "weightless, generalised alpha": (weightless, vv.GeneralizedAlpha(0.8)),
+    "led": (led, vv.GeneralizedAlpha(0.0)),
+    "pulled": (pulled, DYNAMICS),
+    "turning": (turning, DYNAMICS),
 }
 STEP, STEPS = 0.05, 4
 

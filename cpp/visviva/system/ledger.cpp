@@ -52,9 +52,7 @@ void System::book_impacts(const Context& c, const double* v1) {
 
 void System::book(const Context& c, const double* v1) {
     clear_sums();
-    add_up(sums, attempt([&] {
-               for (const auto& [term, can] : terms_) term->ledger(c, v1, sums);
-           }));
+    add_up(sums, for_each_term([&](const Part& part) { part.term->ledger(c, v1, sums); }));
 }
 
 // Entropy by account: what equations that balance it get of every term, less what is stored.

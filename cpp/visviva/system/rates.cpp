@@ -54,9 +54,8 @@ Step instant_after(const Step& step) {
 // What acts for a moment, as contact does, has no part in the rates, and keeps its branch.
 void System::evaluate_lasting(const Context& c) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    add_up(r_, attempt([&] {
-               for (const auto& [term, can] : terms_)
-                   if (term->is_lasting) term->residual(c, r_.data());
+    add_up(r_, for_each_term([&](const Part& part) {
+               if (part.term->is_lasting) part.term->residual(c, r_.data());
            }));
 }
 
@@ -76,12 +75,14 @@ void System::evaluate_rate_matrix(const Context& c) {
 // leave constraints of directors out: one director without mass turns with the others, and only all without
 // keep theirs.
 void System::keep_weightless() {
-    if (processes_) return;  // others may have the rest of a row
-    std::vector<char> weightless(n_, 0);
+    std::vector<double> entries(n_, 0.0);  // other than zero, in the rows of all processes
     for (int i = 0; i < csr_.n; ++i)
-        weightless[csr_.unknown[i]] =
-            std::all_of(values_.begin() + csr_.row[i], values_.begin() + csr_.row[i + 1],
-                        [](double value) { return value == 0; });
+        entries[csr_.unknown[i]] =
+            std::any_of(values_.begin() + csr_.row[i], values_.begin() + csr_.row[i + 1],
+                        [](double value) { return value != 0; });
+    total(entries);
+    std::vector<char> weightless(n_, 0);
+    for (int u : csr_.unknown) weightless[u] = entries[u] == 0;
     for (const RigidUnknowns& body : blocks_.rigid) {
         const auto begin = body.q + 3, end = body.q + 12;
         const bool all = std::all_of(begin, end, [&](int u) { return weightless[u] || fixed_[u]; });
@@ -89,7 +90,7 @@ void System::keep_weightless() {
     }
     for (int i = 0; i < csr_.n; ++i)
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
-            if (weightless[csr_.unknown[i]] && csr_.col[k] == i) values_[k] = 1;
+            if (const int u = csr_.unknown[i]; weightless[u] && is_own(u) && csr_.col[k] == i) values_[k] = 1;
 }
 
 // Adds a factor times the constraints, later by some time, as those see it that look at the clock themselves.
@@ -97,9 +98,8 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
     Step moved = c.step;
     moved.t0 += later, moved.t1 += later, moved.te += later;
     std::fill(r_.begin(), r_.end(), 0.0);
-    add_up(r_, attempt([&] {
-               for (const auto& [term, can] : terms_)
-                   if (term->sees_clock) term->residual({moved, c.vectors, c.signals}, r_.data());
+    add_up(r_, for_each_term([&](const Part& part) {
+               if (part.term->sees_clock) part.term->residual({moved, c.vectors, c.signals}, r_.data());
            }));
     for (int u = 0; u < n_; ++u) d[u] += factor * r_[u];
 }
@@ -151,10 +151,9 @@ void System::evaluate_rate_residual(const std::vector<double>& impulse, const st
     std::fill(r_.begin(), r_.end(), 0.0);
     for (int i = 0; i < csr_.n; ++i) {
         const int u = csr_.unknown[i];
-        const bool is_own = !processes_ || own_[u];
-        if (constraint_[u]) r_[u] = is_own ? change[u] : 0.0;
+        if (constraint_[u]) r_[u] = is_own(u) ? change[u] : 0.0;
         if (order_[u] == 0 || fixed_[u]) continue;
-        r_[u] = is_own ? -impulse[u] : 0.0;
+        r_[u] = is_own(u) ? -impulse[u] : 0.0;
         for (auto k = csr_.row[i]; k < csr_.row[i + 1]; ++k)
             if (const int v = csr_.unknown[csr_.col[k]]; order_[v] > 0) r_[u] -= values_[k] * v_next_[v];
     }

@@ -172,14 +172,12 @@ double System::iterate(const Step& step) {
 void System::evaluate_residual(const Context& c, bool all, bool with_mesh_tangents) {
     std::fill(r_.begin(), r_.end(), 0.0);
     if (with_mesh_tangents) clear_values(), stale_factor_ = true;
-    add_up(r_, attempt([&] {
-               for (const Part& part : terms_) {
-                   const Lap lap(timed(part));
-                   if (with_mesh_tangents && part.can.mesh)
-                       part.can.mesh->linearise(c, r_.data(), values_.data());
-                   else if (all || !part.term->is_rigidity)
-                       part.term->residual(c, r_.data());
-               }
+    add_up(r_, for_each_term([&](const Part& part) {
+               const Lap lap(timed(part));
+               if (with_mesh_tangents && part.can.mesh)
+                   part.can.mesh->linearise(c, r_.data(), values_.data());
+               else if (all || !part.term->is_rigidity)
+                   part.term->residual(c, r_.data());
            }));
 }
 
@@ -188,12 +186,16 @@ void System::evaluate_tangent(const Context& c, bool has_mesh_tangents) {
     if (!has_mesh_tangents) {
         clear_values();
     }
-    for (const bool on_mesh : {true, false})
-        for (const Part& part : terms_) {
+    std::exception_ptr first;
+    for (const bool on_mesh : {true, false}) {
+        const auto failure = for_each_term([&](const Part& part) {
             const Lap lap(timed(part));
             const bool is_due = part.can.mesh ? on_mesh && !has_mesh_tangents : !on_mesh;
             if (is_due) part.term->tangent(c, values_.data());
-        }
+        });
+        if (!first) first = failure;
+    }
+    if (first) std::rethrow_exception(first);
 }
 
 bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents) {

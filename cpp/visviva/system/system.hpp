@@ -303,11 +303,24 @@ class System {
         }
         return nullptr;
     }
+    // What functions from outside evaluate, processes may evaluate together: they come to it after failures,
+    // too.
+    template <class F>
+    std::exception_ptr for_each_term(F&& f) {
+        std::exception_ptr first;
+        for (const Part& part : terms_)
+            if (const auto failure = attempt([&] { f(part); }); failure && !first) {
+                first = failure;
+                if (!processes_) break;
+            }
+        return first;
+    }
     void add_up(std::vector<double>& values, const std::exception_ptr& failure);
     void add_up(LedgerSums&, const std::exception_ptr& failure);
     static void agree(const std::exception_ptr& failure, bool any);
     void meet();
     bool any(bool here) const;
+    bool is_own(int unknown) const { return !processes_ || own_[unknown]; }
     bool searching(bool here) const { return searches_ && any(here); }
     double largest(double here) const;
     void total(std::vector<double>& parts) const;

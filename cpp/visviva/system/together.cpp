@@ -46,7 +46,7 @@ bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance)
     if (!processes_) return solver.solve(r_.data(), place(step), d_.data(), tolerance);
     std::vector<double> part(r_);
     for (int u = 0; u < n_; ++u)
-        if (!own_[u]) part[u] = 0;
+        if (!is_own(u)) part[u] = 0;
     return share(solver.solve(part.data(), place(step), d_.data(), tolerance));
 }
 

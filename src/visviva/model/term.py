@@ -73,8 +73,6 @@ class Term:
         'work' or 'heat': what its work counts as.
     produces : bool
         Whether the entropy that it brings arises and is never lost; else it comes from outside or goes there.
-    is_alone : bool
-        Whether it asks nothing that several processes evaluate together, so that one of them can have it.
     history : dict of arrays
         State of its own; changed in `accept` only, and kept in restart files.
     trial : dict of arrays
@@ -93,7 +91,6 @@ class Term:
     stores = "potential"
     brings = "work"
     produces = False
-    is_alone = False
     label = "user term"
 
     def __init__(self) -> None:

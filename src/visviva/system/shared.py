@@ -41,19 +41,12 @@ def refuse_unshared(system: System) -> None:
     """
     model = system.model
     asked = {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
-    asked |= {
-        id(model.components[k]): "has terms written in Python" for t, k in model.terms if not t.is_alone
-    }
     for component in system.components:
         if id(component) in asked:
             raise InputError(
                 f"{component.label} {asked[id(component)]}, which several processes cannot compute yet; run it by one: "
                 "without mpirun"
             )
-    if model.driving.has_servo:
-        raise InputError(
-            "several processes cannot compute servo constraints yet; run it by one: without mpirun"
-        )
 
 
 def refuse_unshared_solver(options: LinearOptions | None, null_space: bool | None) -> LinearOptions | None:

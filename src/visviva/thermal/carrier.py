@@ -172,7 +172,6 @@ class HeatInput(Term):
     """Heat that flows in at quadrature points of cells or faces by a law of time, place and temperature."""
 
     brings = "heat"
-    is_alone = True
 
     def __init__(self, kind: str, unknowns: NDArray[np.int32], points: Points, law: Law) -> None:
         super().__init__()
@@ -238,7 +237,6 @@ class EntropySupply(Term):
 
     kind = "supply"
     brings = "heat"
-    is_alone = True
 
     def __init__(self, unknowns: NDArray[np.int32]) -> None:
         super().__init__()

@@ -80,7 +80,6 @@ class HeatExchange(Term):
 
     kind = "exchange"
     brings = "heat"
-    is_alone = True
 
     def __init__(
         self,
@@ -149,7 +148,6 @@ class HeatBond(Term):
 
     kind = "exchange"
     brings = "heat"
-    is_alone = True
 
     def __init__(
         self,

@@ -69,7 +69,6 @@ class Exchange(Term):
 
     kind = "exchange"
     brings = "heat"
-    is_alone = True
 
     def __init__(self, a: HeatPort, b: HeatPort | None, conductance: float, ambient: Any) -> None:
         super().__init__()

@@ -251,7 +251,6 @@ class Bounds(Term):
     """Ends a run whose temperatures leave the range where conductivity and capacity are positive."""
 
     kind = "bounds"
-    is_alone = True
 
     def __init__(self, unknowns: NDArray[np.int32], trouble: Callable[[Array], str]) -> None:
         super().__init__()
