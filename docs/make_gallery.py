@@ -44,7 +44,7 @@ GROUPS = {
     "Heat": ("brake", "tori_thermal", "rubber_heat", "thermal_pendulum", "flying_l", "convection"),
     "Flow and what swims in it": ("cylinder", "cavity", "valve", "valve_3d", "leaf_valve", "hinged_valve"),
     "Mixtures": ("spinodal", "coarsening", "solder", "misfit", "drop_on_wall", "sphere_pattern"),
-    "Cracks": ("notch", "surfing", "thermal_crack"),
+    "Cracks": ("notch", "surfing", "branching", "thermal_crack"),
 }  # fmt: skip
 """Examples by subject; those in none stand under "More"."""
 

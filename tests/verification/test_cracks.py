@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.examples import surfing
+from visviva.examples import branching, surfing
 
 Array = NDArray[np.float64]
 
@@ -200,3 +200,9 @@ def test_a_cracking_body_that_is_heated() -> None:
     (work,) = np.diff(result.ledger["work_prescribed motion"][[0, -1]])
     (gained,) = np.diff(result.ledger["total"][[0, -1]])
     assert work == pytest.approx(gained, rel=1e-9)
+
+
+def test_a_crack_branches_when_and_as_fast_as_it_does_with_others() -> None:
+    """Borden et al. (2012): at 34 to 46 us, slower than 0.6 of Rayleigh's waves; here on coarse cells."""
+    study = branching.study(until=50e-6)
+    branching.check(vv.simulate(study.system, until=study.until, step=study.step))
