@@ -41,6 +41,33 @@ def test_discrete_gradient(energy: Callable[[Array], Array], noise: float, size:
     assert np.abs(S - mean).max() <= 5 * size**2 + noise
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e6])
+def test_no_unit_of_a_strain_decides_how_the_rest_is_shared(unit: float) -> None:
+    """A distance beside an angle: in another unit its stress is another, and that of the angle the same."""
+
+    def energy(e: Array) -> Array:
+        return np.cosh(e[0] * (1 + e[1] ** 2)) + e[1] ** 4
+
+    def other(e: Array) -> Array:
+        return energy(np.stack([e[0] / unit, e[1]]))
+
+    e0, e1 = np.array([[0.3], [0.5]]), np.array([[0.9], [-0.2]])
+    scale = np.array([[unit], [1.0]])
+    S, T = Function(energy, 2, 1, "energy").discrete_gradient(e0, e1, want_tangent=True)
+    W = Function(other, 2, 1, "energy", np.array([unit, 1.0]))
+    found, slope = W.discrete_gradient(scale * e0, scale * e1, want_tangent=True)
+    assert found[0] * scale == pytest.approx(S[0], rel=1e-10)
+    assert T is not None
+    assert slope is not None
+    assert slope[0, :, :, 0] * scale * scale.T == pytest.approx(T[0, :, :, 0], rel=1e-5)
+    d = 1e-6 * scale * np.eye(2)
+    ahead, behind = (
+        W.discrete_gradient(np.hstack([scale * e0] * 2), scale * e1 + s * d, want_tangent=False)[0][0]
+        for s in (1, -1)
+    )
+    assert (ahead - behind) / (2e-6 * scale.T) == pytest.approx(slope[0, :, :, 0], rel=1e-6)
+
+
 def test_complex_step_is_chosen_where_it_works() -> None:
     e, _ = states(0.1)
     assert Function(neo_hooke, 6, 1, "energy").takes_complex(e).all()

@@ -80,6 +80,35 @@ def test_dynamics_and_diffusion_close_one_balance() -> None:
     assert np.all(np.diff(result.ledger["total"]) < 0)
 
 
+@pytest.mark.parametrize("density", [0.0, 1.0])
+def test_no_unit_decides_where_a_step_ends(density: float) -> None:
+    """In metres, megapascals, kilometres: concentration and gradient are weighed against nothing."""
+
+    def after(length: float, pressure: float, time: float) -> np.ndarray:
+        side = 16 * length
+        body = solid(
+            vv.RectangleMesh(size=(side, side), counts=(8, 8)),
+            material=vv.NeoHooke(young=100 * pressure, poisson=0.3),
+            free_energy=vv.DoubleWell(barrier=5.0 * pressure, low=0.3, high=0.7),
+            gradient_energy=2 * pressure * length**2,
+            mobility=5 * length**2 / (pressure * time),
+            density=density * pressure * (time / length) ** 2,
+            concentration=lambda X: (
+                0.5 + 0.05 * np.cos(0.5 * X[:, 0] / length) * np.cos(0.3 * X[:, 1] / length)
+            ),
+            eigenstrain=0.05,
+        )
+        system = vv.System([body, vv.Fixed(solid=body, nodes="x0")])
+        result = vv.simulate(system, until=2 * time, step=0.5 * time)
+        assert result.conservation()["energy"] < 1e-10
+        assert np.all(np.diff(result.ledger["total"]) < 0)
+        return body.values(system.x)
+
+    expected = after(1.0, 1.0, 1.0)
+    for units in ((1e-6, 1e6, 1.0), (1e3, 1e-6, 1e3), (1e-9, 1e9, 1e-3)):
+        assert after(*units) == pytest.approx(expected, abs=1e-9)
+
+
 def test_stress_drives_diffusion() -> None:
     """A bent beam whose large component strains: that goes to where it is stretched."""
     mesh = vv.RectangleMesh(size=(8, 2), counts=(16, 4), cell="quad9")

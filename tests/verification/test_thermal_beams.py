@@ -56,6 +56,31 @@ def test_both_laws_hold_to_rounding(body: str, h: float) -> None:
     assert np.min(np.diff(entropy)) > 0
 
 
+@pytest.mark.parametrize("length", [1e-3, 1e3])
+def test_no_unit_of_length_decides_where_a_step_ends(length: float) -> None:
+    """Extension is not weighed against curvature, nor a mean temperature against slopes."""
+
+    def after(u: float) -> np.ndarray:
+        section = vv.RectangleSection(
+            width=0.1 * u, height=0.2 * u, young=200.0 / u, poisson=0.3, density=1 / u**3
+        )
+        beam = vv.ThermalBeam(
+            mesh=line(length=u),
+            section=section,
+            heat=vv.Heat(conductivity=0.5 * u, capacity=2.0 / u, expansion=0.05, reference=20.0),
+            temperature=lambda X: 20 + 3 * (X[:, 0] / u) ** 2,
+            slopes=(5.0 / u, -8.0 / u),
+            angular_velocity=(1, 2, 3),
+        )
+        system = vv.System([beam], vv.Newton(tolerance=1e-13))
+        result = vv.simulate(system, until=0.5, step=0.1)
+        assert result.conservation()["energy"] < 1e-11
+        return np.asarray(beam.temperatures(system.x))
+
+    expected = after(1.0)
+    assert after(length) == pytest.approx(expected, rel=1e-9)
+
+
 STEEL = vv.Heat(conductivity=1e-12, capacity=3.6e6, expansion=1.2e-5, reference=293.15)
 
 

@@ -131,39 +131,16 @@ struct HeatedBeamMap : Layout<HeatedBeamMap> {
 /// m_1, m_2; c, theta0, b_1, b_2; and of the pairing conductances along of the three, across of the slopes.
 struct HeatedSectionEnergy : PlainEnergy {
     static constexpr int n = 9, m = 21, c = 39, zero = 40, b = 41, along = 43, across = 46, max_par = 48;
-    static constexpr int n_blocks = 2;
-    static constexpr int block(int k) { return k / 6 > 0; }
-    // Stresses of slopes, which are linear, hide how much the mean entropy bends its own: Simpson's rule
-    // would be off by a part in a thousand. The increase says it without loss of digits.
-    static constexpr double smooth = 0;
     const V* p;
     explicit HeatedSectionEnergy(const V* par) : p(par) {}
-    V increase(const V* from, const V* to) const {
-        V d[n], dM[3] = {}, M{}, work{};
-        for (int k = 0; k < n; ++k) d[k] = to[k] - from[k];
-        for (int k = 0; k < 6; ++k) {
-            M += p[m + k] * from[k];
-            for (int i = 0; i < 3; ++i) dM[i] += p[m + 6 * i + k] * d[k];
-            for (int l = 0; l < 6; ++l)
-                work += 0.5 * p[k < l ? packed(6, k, l) : packed(6, l, k)] * d[k] * (from[l] + to[l]);
-        }
-        const V theta = p[zero] + p[zero] * expm1((from[6] - M) / p[c]);
-        V sum = work + p[zero] * dM[0] + p[c] * theta * expm1((d[6] - dM[0]) / p[c]);
-        for (int i = 0; i < 2; ++i) {
-            V M_i{};
-            for (int k = 0; k < 6; ++k) M_i += p[m + 6 * (1 + i) + k] * from[k];
-            const V change = d[7 + i] - dM[1 + i];
-            sum += change * ((from[7 + i] - M_i) + 0.5 * change) / p[b + i];
-        }
-        return sum;
-    }
+    V stiffness(int k, int l) const { return p[k < l ? packed(6, k, l) : packed(6, l, k)]; }
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
         V M[3] = {}, Ce[6];
         for (int k = 0; k < 6; ++k) {
             for (int i = 0; i < 3; ++i) M[i] += p[m + 6 * i + k] * e[k];
             Ce[k] = V{};
-            for (int l = 0; l < 6; ++l) Ce[k] += p[k < l ? packed(6, k, l) : packed(6, l, k)] * e[l];
+            for (int l = 0; l < 6; ++l) Ce[k] += stiffness(k, l) * e[l];
         }
         const V rise = p[zero] * expm1((e[6] - M[0]) / p[c]), theta = p[zero] + rise;
         const V slope[2] = {(e[7] - M[1]) / p[b], (e[8] - M[2]) / p[b + 1]};
@@ -187,6 +164,52 @@ struct HeatedSectionEnergy : PlainEnergy {
             }
             for (int k = 0; k < 6; ++k)
                 for (int l = k; l < 6; ++l) to.d[packed(n, k, l)] += p[packed(6, k, l)];
+        }
+    }
+    /// All but an exponential of the scalar x = s - m_0 . e is quadratic: with the difference quotient of
+    /// that one and the mean of the rest no strain is weighed against another, nor extension against
+    /// curvature.
+    template <bool tangent>
+    void discrete_gradient(const V* e0, const V* e1, V* s, V* T) const {
+        V middle[6], first = e0[6], change = e1[6] - e0[6];
+        for (int k = 0; k < 6; ++k) {
+            middle[k] = 0.5 * (e0[k] + e1[k]);
+            first -= p[m + k] * e0[k], change -= p[m + k] * (e1[k] - e0[k]);
+        }
+        const V y = change / p[c], before = expm1(first / p[c]);
+        const VI near = vabs(y) < 1e-2;
+        const V safe = select(near, broadcast(1.0), y);
+        constexpr double a[6] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040};
+        V more{}, bend{};  // expm1(y) / y - 1 and its slope
+        for (int k = 5; k >= 0; --k) more = more * y + a[k], bend = bend * y + (k + 1) * a[k];
+        more = select(near, more * y, expm1(safe) / safe - 1.0);
+        bend = select(near, bend, (expm1(safe) - more) / safe);
+        const V rise = p[zero] * (before + more + before * more);
+        const V by = p[zero] / p[c] * (before + 1.0) * bend;
+        V slope[2];
+        for (int i = 0; i < 2; ++i) {
+            slope[i] = 0.5 * (e0[7 + i] + e1[7 + i]);
+            for (int k = 0; k < 6; ++k) slope[i] -= p[m + 6 + 6 * i + k] * middle[k];
+            s[7 + i] = slope[i] = slope[i] / p[b + i];
+        }
+        s[6] = p[zero] + rise;
+        for (int k = 0; k < 6; ++k) {
+            s[k] = -rise * p[m + k] - slope[0] * p[m + 6 + k] - slope[1] * p[m + 12 + k];
+            for (int l = 0; l < 6; ++l) s[k] += stiffness(k, l) * middle[l];
+        }
+        if constexpr (tangent) {
+            const V by_heat[3] = {by, 0.5 / p[b], 0.5 / p[b + 1]};
+            for (int k = 0; k < n * n; ++k) T[k] = V{};
+            for (int i = 0; i < 3; ++i) {
+                T[(n + 1) * (6 + i)] = by_heat[i];
+                for (int k = 0; k < 6; ++k) {
+                    T[n * k + 6 + i] = T[n * (6 + i) + k] = -by_heat[i] * p[m + 6 * i + k];
+                    for (int l = 0; l < 6; ++l)
+                        T[n * k + l] += by_heat[i] * p[m + 6 * i + k] * p[m + 6 * i + l];
+                }
+            }
+            for (int k = 0; k < 6; ++k)
+                for (int l = 0; l < 6; ++l) T[n * k + l] += 0.5 * stiffness(k, l);
         }
     }
 };

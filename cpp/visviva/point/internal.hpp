@@ -24,15 +24,21 @@ struct ViscousEnergy : TensorEnergy {
     }
 };
 
-/// Stresses and moduli conjugate to strains as they stand, s_k = dW/de_k: no metric.
+/// Takes the metric off stresses and moduli.
 template <bool tangent, class Energy, int n = Energy::n>
-void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et, V* s,
-                      V* T) {
-    stress_of<tangent>(energy, step, e0, e1, et, s, T);
+void conjugate(const Energy&, V* s, V* T) {
     for (int k = 0; k < n; ++k) {
         s[k] *= Energy::weight(k);
         for (int l = 0; tangent && l < n; ++l) T[n * k + l] *= Energy::weight(k) * Energy::weight(l);
     }
+}
+
+/// Stresses and moduli conjugate to strains as they stand, s_k = dW/de_k: no metric.
+template <bool tangent, class Energy>
+void conjugate_stress(const Energy& energy, const Step& step, const V* e0, const V* e1, const V* et, V* s,
+                      V* T) {
+    stress_of<tangent>(energy, step, e0, e1, et, s, T);
+    conjugate<tangent>(energy, s, T);
 }
 
 /// Solves A x = b in place for m right sides b [n][m], without pivots: A is near the identity.

@@ -144,21 +144,18 @@ struct WallEnergy : PlainEnergy {
     }
 };
 
-/// f(c) + 1/2 grad c . K grad c + m(c) W(Ce) of (C, c, grad c), C_e = F0^-T C F0^-1 with F0 = I + (c - c0)
-/// eigenstrain along the axes; any material's W, m a polynomial of third degree.
-struct MixtureSolidEnergy : PlainEnergy {
-    static constexpr int n = 10, max_par = mixture::n_solid, n_blocks = 2;
-    static constexpr int block(int k) { return k < 6 ? 0 : 1; }
+/// m(c) W(Ce) of (C, c), C_e = F0^-T C F0^-1 with F0 = I + (c - c0) eigenstrain along the axes; any
+/// material's W, m a polynomial of third degree.
+struct MisfitEnergy : PlainEnergy {
+    static constexpr int n = 7, max_par = mixture::n_solid, n_blocks = 2;
+    static constexpr int block(int k) { return k / 6; }
     static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
     static constexpr double natural = 1;
     const V* p;
-    explicit MixtureSolidEnergy(const V* par) : p(par) {}
+    explicit MisfitEnergy(const V* par) : p(par) {}
 
-    VI is_defined(const V* e) const { return is_mixture(e[6], p); }
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        Potential<4> chemical;
-        MixtureEnergy<>(p).template evaluate<second>(e + 6, chemical);
         const V x = e[6] - p[mixture::solid_centre], *a = p + mixture::moduli;
         const V m = a[0] + x * (a[1] + x * (a[2] + x * a[3])), m1 = a[1] + x * (2.0 * a[2] + 3.0 * x * a[3]),
                 m2 = 2.0 * a[2] + 6.0 * x * a[3];
@@ -181,12 +178,9 @@ struct MixtureSolidEnergy : PlainEnergy {
         V by_c{};
         for (int k = 0; k < 6; ++k)
             to.s[k] = m * share[k] * w.s[k], by_c += tensor_weight(k) * w.s[k] * first[k];
-        to.W = chemical.W + m * w.W;
-        to.s[6] = chemical.s[0] + m1 * w.W + m * by_c;
-        for (int k = 1; k < 4; ++k) to.s[6 + k] = chemical.s[k];
+        to.W = m * w.W;
+        to.s[6] = m1 * w.W + m * by_c;
         if constexpr (second) {
-            for (int k = 0; k < 4; ++k)
-                for (int l = k; l < 4; ++l) to.d[packed(n, 6 + k, 6 + l)] = chemical.d[packed(4, k, l)];
             V twice = m2 * w.W + 2.0 * m1 * by_c;
             for (int k = 0; k < 6; ++k) {
                 V along{};
@@ -197,9 +191,50 @@ struct MixtureSolidEnergy : PlainEnergy {
                 const V u = rate[voigt_a[k]] + rate[voigt_b[k]];
                 to.d[packed(n, k, 6)] = share[k] * (m1 * w.s[k] + m * (along - u * w.s[k]));
                 twice += m * tensor_weight(k) * (along * first[k] + w.s[k] * bend[k]);
-                for (int l = 7; l < n; ++l) to.d[packed(n, k, l)] = V{};
             }
-            to.d[packed(n, 6, 6)] += twice;
+            to.d[packed(n, 6, 6)] = twice;
+        }
+    }
+};
+
+/// f(c) + 1/2 grad c . K grad c + m(c) W(Ce) of (C, c, grad c).
+struct MixtureSolidEnergy : PlainEnergy {
+    static constexpr int n = 10, max_par = mixture::n_solid, n_misfit = MisfitEnergy::n;
+    static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+    const V* p;
+    explicit MixtureSolidEnergy(const V* par) : p(par) {}
+
+    VI is_defined(const V* e) const { return is_mixture(e[6], p); }
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        Potential<4> chemical;
+        MixtureEnergy<>(p).template evaluate<second>(e + 6, chemical);
+        Potential<n_misfit> misfit;
+        MisfitEnergy(p).template evaluate<second>(e, misfit);
+        to.W = chemical.W + misfit.W;
+        for (int k = 0; k < n; ++k) to.s[k] = k < n_misfit ? misfit.s[k] : V{};
+        for (int k = 0; k < 4; ++k) to.s[6 + k] += chemical.s[k];
+        for (int k = 0; second && k < n; ++k)
+            for (int l = k; l < n; ++l) {
+                V& d = to.d[packed(n, k, l)];
+                d = l < n_misfit ? misfit.second(k, l) : V{};
+                if (k > 5) d += chemical.second(k - 6, l - 6);
+            }
+    }
+    /// Of each part its own: what is stored in C and c knows nothing of grad c, which has another unit.
+    template <bool tangent>
+    void discrete_gradient(const V* e0, const V* e1, V* s, V* T) const {
+        V chemical[4], by_chemical[16], misfit[n_misfit], by_misfit[n_misfit * n_misfit];
+        MixtureEnergy<>(p).template discrete_gradient<tangent>(e0 + 6, e1 + 6, chemical, by_chemical);
+        const MisfitEnergy energy(p);
+        VISVIVA_ISA::discrete_gradient<tangent>(energy, e0, e1, misfit, by_misfit);
+        conjugate<tangent>(energy, misfit, by_misfit);
+        for (int k = 0; k < n; ++k) {
+            s[k] = (k < n_misfit ? misfit[k] : V{}) + (k > 5 ? chemical[k - 6] : V{});
+            for (int l = 0; tangent && l < n; ++l) {
+                T[n * k + l] = k < n_misfit && l < n_misfit ? by_misfit[n_misfit * k + l] : V{};
+                if (k > 5 && l > 5) T[n * k + l] += by_chemical[4 * (k - 6) + l - 6];
+            }
         }
     }
 };

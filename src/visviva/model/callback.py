@@ -42,8 +42,8 @@ class Function:
     label : str
         Whose function it is, for error messages.
     sizes : array (n_e,), optional
-        Large changes of the strains, by which differences are told from rounding where strains vanish; 1 each if left
-        out.
+        Large changes of the strains, by which those of different units are weighed against each other, and differences
+        told from rounding where strains vanish; 1 each if left out.
     """
 
     def __init__(
@@ -159,9 +159,10 @@ class Function:
     def discrete_gradient(self, e0: Array, e1: Array, want_tangent: bool) -> tuple[Array, Array | None]:
         """``S`` with ``S . (e1 - e0) = f(e1) - f(e0)`` (Gonzalez 1996), and its derivative by `e1`.
 
-        ``S = f'(em) + b / |de|^2 de`` with the bracket ``b = df - f'(em) . de``. As a difference of values
-        ``b`` drowns in rounding for small ``de``; there it is Simpson's rule in the gradients, whose rounding
-        shrinks with ``de``, and finally nothing. Either changes the energy by less than round-off.
+        ``S = f'(em) + b M de / (de . M de)`` with the bracket ``b = df - f'(em) . de`` and ``M`` the inverse squares of
+        `sizes`, so that no unit of a strain decides how ``b`` is shared. As a difference of values ``b`` drowns in
+        rounding for small ``de``; there it is Simpson's rule in the gradients, whose rounding shrinks with ``de``, and
+        finally nothing. Either changes the energy by less than round-off.
         """
         de, em = e1 - e0, 0.5 * (e0 + e1)
         # one call of the user's function for all points: a call costs more than what it computes
@@ -173,17 +174,20 @@ class Function:
         exact = f1 - f0 - (gm * de).sum(axis=1)
         smooth = np.abs(second).sum(axis=1) <= SMOOTH * np.abs(first).sum(axis=1)
         b = np.where(smooth & analytic, second.sum(axis=1) / 6, exact)
-        size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0)).max(axis=0)
-        tiny = np.abs(de).max(axis=0) <= np.where(analytic, TINY, TINY_DIFFERENCES) * size
-        inverse = np.where(tiny, 0.0, 1 / np.where(tiny, 1.0, (de * de).sum(axis=0)))
+        size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0) / self.sizes).max(axis=0)
+        few = np.where(analytic, TINY, TINY_DIFFERENCES)
+        tiny = np.abs(de / self.sizes).max(axis=0) <= few * size
+        metric = self.sizes**-2.0
+        along = metric * de
+        inverse = np.where(tiny, 0.0, 1 / np.where(tiny, 1.0, (de * along).sum(axis=0)))
         c = b * inverse
-        S = gm + c[:, None] * de
+        S = gm + c[:, None] * along
         if not want_tangent:
             return S, None
         half = 0.5 * self.hessian(em, at_middle)
-        db = g1 - gm - np.einsum("mijn,jn->min", half, de) - 2 * c[:, None] * de
-        D = half + np.einsum("in,mjn->mijn", de * inverse, db)
-        return S, D + c[:, None, None] * np.eye(self.n_e)[:, :, None]
+        db = g1 - gm - np.einsum("mijn,jn->min", half, de) - 2 * c[:, None] * along
+        D = half + np.einsum("in,mjn->mijn", along * inverse, db)
+        return S, D + c[:, None, None] * (metric * np.eye(self.n_e))[:, :, None]
 
 
 class AcrossFree(Function):
