@@ -46,6 +46,33 @@ def test_growth_with_misfit(cell: str) -> None:
     assert np.log((body.values(system.x)[0] - 0.5) / 1e-5) / end == pytest.approx(rate, rel=1e-3)
 
 
+@pytest.mark.parametrize("along", [(1, 0), (1, 1)])
+def test_growth_in_a_cell_that_repeats(along: tuple[int, int]) -> None:
+    """The same rate along and across the cell, whose sides move alike; alone, those of concentrations tear it."""
+    side, eta, E, nu = 16.0, 0.08, 100.0, 0.3
+    k = 2 * np.pi / side * np.array([*along, 0.0])
+    body = solid(
+        vv.RectangleMesh(size=(side, side), counts=(8, 8), cell="quad9"),
+        material=vv.SaintVenantKirchhoff(young=E, poisson=nu),
+        eigenstrain=eta,
+        concentration=lambda X: 0.5 + 1e-4 * np.cos(X @ k),
+        periodic=[("x0", "x1"), ("y0", "y1")],
+        name="cell",
+    )
+    corner = vv.Fixed(solid=body, nodes=[0])
+    for torn in ([], [("y1", "y0")]):
+        sides = [vv.PeriodicFaces(solid=body, pairs=torn)] if torn else []
+        words = r"^MixtureSolid 'cell': periodic has \('x0', 'x1'\), whose concentrations are one, while positions"
+        with pytest.raises(vv.InputError, match=words):
+            vv.System([body, corner, *sides])
+    system = vv.System([body, corner, vv.PeriodicFaces(solid=body, pairs=[("x1", "x0"), ("y0", "y1")])])
+    wave = np.cos(body.points @ k)
+    result = vv.simulate(system, until=0.05, step=0.0025, scheme=vv.BackwardEuler())
+    size = [(body.values(x) - 0.5) @ wave for x in (result.states[4], result.states[-1])]
+    rate = -5 * (k @ k) * (-0.8 + 2 * eta**2 * E / (1 - nu) + 2 * (k @ k))
+    assert np.log(size[1] / size[0]) / 0.04 == pytest.approx(rate, rel=5e-3)
+
+
 def test_free_swelling() -> None:
     """A uniform composition off the reference strains a free body without stress."""
     mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
@@ -67,7 +94,6 @@ def test_dynamics_and_diffusion_close_one_balance() -> None:
         eigenstrain=0.3,
         moduli=(0.8, 0.5),
         concentration=lambda X: 0.5 + 0.05 * rng.standard_normal(len(X)),
-        periodic=[("x0", "x1")],
         velocity=lambda X: 0.02 * X,
     )
     system = vv.System([body])

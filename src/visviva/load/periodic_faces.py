@@ -46,7 +46,7 @@ class PeriodicFaces(Component):
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
     meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
     they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. Temperatures
-    and concentrations of the body are not paired.
+    of the body are not paired, and concentrations are where `MixtureSolid` says so, by its `periodic`.
 
     Examples
     --------

@@ -20,7 +20,9 @@ from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
+from visviva.mesh.periodic import partners
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -55,8 +57,11 @@ class MixtureSolid(Solid):
 
     Parameters
     ----------
-    free_energy, gradient_energy, concentration, mobility, periodic
+    free_energy, gradient_energy, concentration, mobility
         See `CahnHilliard`.
+    periodic : sequence of (str, str)
+        Pairs of sets of faces, of equal meshes, that are taken for the same. How far apart their positions stay, with
+        what mean strain, `PeriodicFaces` of the same pairs says, which is needed besides.
     eigenstrain : float, or (float, float, float)
         Strain per concentration that it alone would leave (Vegard): the same in all directions, or along the axes.
     reference : float
@@ -156,8 +161,21 @@ class MixtureSolid(Solid):
     def remarks(self) -> list[str]:
         return [*super().remarks(), *self.chemistry.remarks()]
 
+    def _refuse_torn(self, model: Model) -> None:
+        """Refuse sides whose concentrations are one while their positions are not."""
+        sides = model.announced(self, PeriodicFaces)
+        for pair in self.periodic:
+            a, b = partners(self.grid, pair[0], pair[-1], self.label).T
+            if not any(np.array_equal(s.leaders[a], s.leaders[b]) for s in sides):
+                raise InputError(
+                    f"{self.label}: periodic has {(pair[0], pair[-1])!r}, whose concentrations are one, while "
+                    "positions there move freely: add vv.PeriodicFaces(solid=..., pairs=...) of this pair, whose "
+                    "strain is that of the cell, or leave the pair out"
+                )
+
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
+        self._refuse_torn(model)
         super().declare(model)
         c = self.space.fitted(self.chemistry.start_values)
         self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale)
