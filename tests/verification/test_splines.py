@@ -179,3 +179,28 @@ UP = [0, 0, 1, 1]
 def test_refusals(make: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         make()
+
+
+def test_sources_of_the_direct_form_bring_their_potential_and_the_audit_says_what_no_account_has() -> None:
+    """All that a uniform mixture gains is brought: ``V (f(c1) - f(c0))``. What diffusion dissipates is not booked."""
+    well = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
+    for wave in (0.0, 0.05):
+        alloy = vv.CahnHilliard(
+            mesh=vv.SplineBox(size=(16, 16), counts=(12, 12), degree=3),
+            free_energy=well,
+            gradient_energy=2.0,
+            mobility=5.0,
+            concentration=lambda X, wave=wave: 0.5 + wave * np.cos(np.pi * X[:, 0] / 8),
+            form="direct",
+            name="alloy",
+        )
+        system = vv.System([alloy, vv.ConcentrationSource(body=alloy, rate=0.05)])
+        result = vv.simulate(system, until=2.0, step=0.05)
+        if wave:
+            said = "not meant to be exact: CahnHilliard 'alloy' has form = 'direct', whose ledger lacks what"
+            assert said in result.audit()
+            assert "WRONG" not in result.audit()
+        else:
+            gained = 16**2 * float(well.values(0.6) - well.values(0.5))
+            assert result.ledger["work_source"][-1] == pytest.approx(gained, rel=1e-3)
+            assert result.ledger["total"][-1] - result.ledger["total"][0] == pytest.approx(gained, rel=1e-10)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,16 @@ class Straining(Component):
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Shear along d1 and d2, extension, curvatures, twist (6,) at the unknowns `x` of the system."""
         raise NotImplementedError
+
+
+@runtime_checkable
+class Unbooked(Protocol):
+    """A component that may change energies by what is in no account of the ledger."""
+
+    @property
+    def unbooked(self) -> str:
+        """Why it does, in words behind its label; empty if it does not."""
+        ...
 
 
 class Wetting(Component):

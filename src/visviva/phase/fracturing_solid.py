@@ -155,6 +155,13 @@ class FracturingSolid(Solid):
                 f"{self.label}: takes no thermal_strain, damping or tangent; strains of heat are its free_strain"
             )
 
+    @property
+    def unbooked(self) -> str:
+        """Why the ledger lacks some of what its energy changes by; empty if it does not."""
+        if self.irreversibility == "active set":
+            return ""
+        return f"has irreversibility = {self.irreversibility!r}, whose forces on damages are no gradient of the energy"
+
     def _refuse_beside_history(self) -> None:
         if self.irreversibility == "active set":
             return

@@ -229,7 +229,12 @@ class ConcentrationSource(Component):
     def contribute(self, model: Model) -> None:
         model.index(self.body)
         for table in self.body.space.cells():
-            model.term(self, Source(self.body.phase, self.body.potential, table, self._values))
+            model.term(self, self._source(table))
+
+    def _source(self, table: Table) -> Source:
+        if isinstance(self.body, CahnHilliard) and self.body.form == "direct":
+            return DirectSource(self.body, table, self._values)
+        return Source(self.body.phase, self.body.potential, table, self._values)
 
 
 class Source(Term):
@@ -263,3 +268,16 @@ class Source(Term):
     def work(self, s: Stencils) -> Array:
         by = s.step.h * s.x1[:, self.k :] if self.has_potential else s.x1 - s.x0
         return np.asarray((self.loads(s) * by).sum(axis=1))
+
+
+class DirectSource(Source):
+    """Of a mixture without a potential, which is that of the concentrations: ``f' - kappa laplace c``."""
+
+    def __init__(self, body: CahnHilliard, table: Table, values: Values) -> None:
+        super().__init__(body.phase, None, table, values)
+        self.potential = body.potential_at
+
+    def work(self, s: Stencils) -> Array:
+        t = self.table
+        mu = self.potential(t, s.x, s.step.te)
+        return np.asarray(s.step.h * np.einsum("mq,mq,mq->m", t.size, self.values.at(s.step.te, t.X), mu))

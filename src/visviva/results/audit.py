@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from visviva.body.mesh_body import MeshBody
+from visviva.component.announcements import Unbooked
 from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
@@ -182,6 +183,11 @@ def energy_verdict(result: Result) -> str:
         return "conserved"
     if scheme.conserves_energy and max(gained, lost) <= LOOSE:
         return "conserved as well as the tolerances of the solvers allow"
+    unbooked = [
+        f"{c.label} {c.unbooked}" for c in result.system.components if isinstance(c, Unbooked) and c.unbooked
+    ]
+    if unbooked and scheme.has_inertia:
+        return f"not meant to be exact: {', '.join(unbooked[:NAMED])}"
     if scheme.conserves_energy:
         return (
             "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
