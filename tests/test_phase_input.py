@@ -164,3 +164,44 @@ def test_statics_needs_to_know_how_much_there_is(density: float) -> None:
         system = vv.System([blend, vv.PrescribedConcentration(body=blend, nodes="x0", value=0.7)])
         analysis(system)
         assert np.ptp(blend.potentials(system.x)) < 1e-12
+
+
+@pytest.mark.parametrize("later", [False, True])
+def test_concentrations_that_contradict_each_other_at_an_edge_are_refused(later: bool) -> None:
+    """As unlike temperatures are; those that agree are held, whichever comes first."""
+
+    def system(second: Any) -> vv.System:
+        alloy = body(free_energy=vv.PolynomialEnergy(coefficients=(0, 0, 0.5)))
+        left = vv.PrescribedConcentration(body=alloy, nodes="x0", value=0.3, name="left")
+        below = vv.PrescribedConcentration(body=alloy, nodes="y0", value=second, name="below")
+        return vv.System([alloy, left, below])
+
+    held = system(lambda t, X: 0.3 + 0.1 * X[:, 0])
+    vv.simulate(held, until=0.2, step=0.1)
+    assert held.components[0].values(held.x)[0] == pytest.approx(0.3, rel=1e-12)
+    words = "hold the same place of CahnHilliard 'alloy', at concentrations of "
+    if later:
+        with pytest.raises(vv.RunError, match=words + ".* at t = 0.1: give both the same"):
+            vv.simulate(system("0.3 + 3*t"), until=0.2, step=0.1)
+    else:
+        with pytest.raises(vv.InputError, match=words + "0.3 and 0.6 at t = 0: give both the same"):
+            system(0.6)
+
+
+def test_what_excludes_each_other_fills_one_volume() -> None:
+    """The energy of both would be that of the first one's thickness."""
+    grains = [
+        vv.AllenCahn(
+            mesh=SQUARE,
+            free_energy=vv.DoubleWell(barrier=1.0),
+            gradient_energy=2.0,
+            order=0.5,
+            thickness=thickness,
+            name=f"grain {thickness:g}",
+        )
+        for thickness in (1.0, 2.0)
+    ]
+    with pytest.raises(
+        vv.InputError, match=r"'grain 1' has thickness = 1, AllenCahn 'grain 2' 2: .*give both"
+    ):
+        vv.Exclusion(bodies=grains, strength=1.5)

@@ -75,6 +75,11 @@ class Exclusion(Component):
             )
             if not same or not all(np.array_equal(a.X, b.X) for a, b in pairs):
                 raise InputError(f"{self.label}: {first.label} and {other.label} are not on the same mesh")
+            if first.thickness != other.thickness:
+                raise InputError(
+                    f"{self.label}: {first.label} has thickness = {first.thickness:g}, {other.label} "
+                    f"{other.thickness:g}: what excludes each other fills the same volume; give both the same"
+                )
 
     def contribute(self, model: Model) -> None:
         for body in self.bodies:

@@ -139,7 +139,8 @@ class PrescribedConcentration(Component):
 
     Notes
     -----
-    The ledger books what the inflow brings, its potential times its amount, as "supply".
+    The ledger books what the inflow brings, its potential times its amount, as "supply". Nodes may be held by several,
+    such as those of edges, if all give them the same value.
     """
 
     outside_axes = NOWHERE
@@ -162,16 +163,45 @@ class PrescribedConcentration(Component):
         except InputError as error:
             raise InputError(f"{self.label}: {self.body.label} stands on splines: {error}") from None
         try:
-            self.wanted(0.0)
+            self._coefficients(0.0)
         except RunError as error:
             raise InputError(str(error)) from error
 
+    def announce(self, model: Model) -> None:
+        model.announce(self.body, self)
+
     def declare(self, model: Model) -> None:
         model.index(self.body)
+        others = [c for c in model.announced(self.body, PrescribedConcentration) if c is not self]
+        both = [(c, *np.intersect1d(self._held, c._held, return_indices=True)[1:]) for c in others]
+        self._beside = [(other, mine, theirs) for other, mine, theirs in both if len(mine)]
+        try:
+            self.wanted(0.0)
+        except RunError as error:
+            raise InputError(str(error)) from error
         self.inflow = model.multipliers(self, "inflow", len(self._held), instantaneous=False)
 
     def wanted(self, time: float) -> Array:
-        """Coefficients (k,) of what is held."""
+        """Coefficients (k,) of what is held, which others that hold some of them say, too.
+
+        Raises
+        ------
+        RunError
+            If they do not.
+        """
+        c = self._coefficients(time)
+        for other, mine, theirs in self._beside:
+            own, given = c[mine], other._coefficients(time)[theirs]
+            worst = int(np.argmax(np.abs(own - given)))
+            if abs(own[worst] - given[worst]) > 1e-9 * np.abs(c).max():
+                raise RunError(
+                    f"{self.label} and {other.label} hold the same place of {self.body.label}, at concentrations of "
+                    f"{own[worst]:g} and {given[worst]:g} at t = {time:g}: give both the same, or take its nodes "
+                    "out of one of them"
+                )
+        return c
+
+    def _coefficients(self, time: float) -> Array:
         values = self._values.at(time, self.body.points[self._chosen])
         refuse_apart(self.label, "concentration", self._number, values, time)
         return self.body.space.fitted_on(self._chosen, values)
