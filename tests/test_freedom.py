@@ -251,3 +251,27 @@ def test_what_has_no_mass_begins_in_balance(scheme: vv.Scheme) -> None:
 def test_what_has_no_mass_and_swings_later_is_told() -> None:
     result = vv.simulate(pulled("step(t - 0.05)"), until=0.2, step=0.01)
     assert result.statistics.swings > 10
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
+def test_what_is_out_of_balance_turns_freely_all_the_same(scheme: vv.Scheme) -> None:
+    """Stress that is not in balance yet turns along with a body, which looks like a resistance."""
+
+    def system(*held: dict[str, Any]) -> vv.System:
+        alloy = vv.MixtureSolid(
+            mesh=vv.RectangleMesh(size=(16, 16), counts=(8, 8)),
+            material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+            free_energy=vv.DoubleWell(barrier=5.0, low=0.3, high=0.7),
+            gradient_energy=2.0,
+            concentration=lambda X: 0.5 + 0.1 * np.cos(0.4 * X[:, 0]),
+            eigenstrain=0.05,
+            reference=0.5,
+            name="alloy",
+        )
+        return vv.System([alloy, *(vv.Fixed(solid=alloy, **where) for where in held)])
+
+    pin, roller = {"nodes": [0]}, {"nodes": [8], "directions": (False, True, False)}
+    words = r"'alloy' \(rotation about .* \(0, 0, 0\) .* has no mass, and nothing"
+    with pytest.raises(vv.InputError, match=words):
+        vv.simulate(system(pin), until=0.2, step=0.1, scheme=scheme)
+    vv.simulate(system(pin, roller), until=0.2, step=0.1, scheme=scheme)

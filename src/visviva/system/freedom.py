@@ -46,17 +46,28 @@ class Motions:
         Change of the system's unknowns; the largest is 1, or all are zero where the body has no such motion.
     size : array (6,)
         What the changes were divided by.
+    unknowns : array of int, (m, d)
+        Of its vectors.
     """
 
     body: Attachable
     centre: Array
     moves: Array
     size: Array
+    unknowns: Ints
 
     @property
     def possible(self) -> NDArray[np.bool_]:
         """Mask of the six motions (6,) that the body has."""
         return self.size > 0
+
+    def turned(self, forces: Array) -> Array:
+        """By what forces (n,) on all unknowns change (n, 6) that move along."""
+        found, width = np.zeros((len(forces), 6)), self.unknowns.shape[1]
+        own = np.pad(forces[self.unknowns], ((0, 0), (0, 3 - width)))
+        for k, axis in enumerate(np.eye(3)):
+            found[self.unknowns, 3 + k] = np.cross(axis, own)[:, :width]
+        return found / np.where(self.possible, self.size, 1.0)
 
     def in_words(self, free: Array) -> str:
         """Names of the free motions, the span of the columns of `free` (6, k)."""
@@ -277,12 +288,16 @@ def refuse_swinging(system: System, scheme: Scheme) -> None:
 
 
 def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list[str]:
-    """Bodies that can move rigidly in a step and meet nothing while all others stay; their motions."""
+    """Bodies that can move rigidly in a step and meet nothing while all others stay; their motions.
+
+    Nor do those that meet but the turning of forces that are out of balance, as of a composition that strains a body
+    at the start: once in balance, nothing is left of it.
+    """
     motions = [m for body in bodies if (m := rigid_motions(system, body))]
     if not motions:
         return []
     kept = [m.moves[:, m.possible] for m in motions]
-    null = null_space(_resistance(system, np.hstack([*kept, _coordinates(system)]), step))
+    null = _free_combinations(system, motions, np.hstack([*kept, _coordinates(system)]), step)
     ends = np.cumsum([part.shape[1] for part in kept])
     found = []
     for m, first, end in zip(motions, [0, *ends], ends, strict=False):
@@ -308,7 +323,7 @@ def rigid_motions(system: System, body: Attachable) -> Motions | None:
         moves[index, k] = np.where(is_position[:, None], axis, 0.0)[:, :width]
         moves[index, 3 + k] = np.cross(axis, arms)[:, :width]
     size = np.abs(moves).max(axis=0)
-    return Motions(body, centre, moves / np.where(size > 0, size, 1.0), size)
+    return Motions(body, centre, moves / np.where(size > 0, size, 1.0), size, index)
 
 
 def simplest(span: Array) -> Array:
@@ -331,8 +346,11 @@ def _coordinates(system: System) -> Array:
     return moves
 
 
-def _resistance(system: System, motions: Array, step: Any) -> Array:
-    """Forces and violations of constraints (m, k) due to motions (n, k), relative to the terms that cancel in them."""
+def _free_combinations(system: System, motions: Sequence[Motions], moves: Array, step: Any) -> Array:
+    """Combinations (k, p) of `moves` (n, k), those of the motions first, that meet nothing.
+
+    What they meet are forces and violations of constraints, relative to the terms that cancel in them.
+    """
     import scipy.sparse as sp
 
     system.core.find_neighbours()  # bodies may rest on what they touch
@@ -340,15 +358,18 @@ def _resistance(system: System, motions: Array, step: Any) -> Array:
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)
     K = sp.csr_array((values, col, row), shape=(len(unknown),) * 2)
-    R = motions[unknown]
-    forces, met = np.zeros_like(motions), np.zeros_like(motions)
+    R = moves[unknown]
+    forces, met = np.zeros_like(moves), np.zeros_like(moves)
     forces[unknown], met[unknown] = K @ R, abs(K) @ np.abs(R)
-    for part in (forces, met):  # of rows that processes share
+    for part in (forces, met, residual):  # of rows that processes share
         world().sum(part)
+    turned = np.hstack([m.turned(step.theta * residual)[:, m.possible] for m in motions])
+    balanced = forces.copy()
+    balanced[:, : turned.shape[1]] -= turned
     fixed = np.concatenate([f.fixed for f in system.model.fields])
     largest = met[~fixed].max(axis=1)
-    forces = forces[~fixed] / np.where(largest > 0, largest, 1.0)[:, None]
-    return np.vstack([forces, motions[fixed]])
+    scale = np.where(largest > 0, largest, 1.0)[:, None]
+    return np.hstack([null_space(np.vstack([F[~fixed] / scale, moves[fixed]])) for F in (forces, balanced)])
 
 
 def null_space(A: Array) -> Array:
