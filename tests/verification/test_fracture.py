@@ -201,6 +201,24 @@ def test_kinetic_elastic_and_crack_energy_are_kept_while_a_bar_breaks(model: Any
     )
 
 
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint()])
+def test_a_body_that_breaks_in_one_step_does_not_heal(scheme: vv.Scheme) -> None:
+    """d = 2 W / (2 W + G_c / l); forces that balance in the middle of a step took it from 0 to 1.98, for good."""
+    body = vv.FracturingSolid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+        density=1e-6,
+        toughness=1e-4,
+        length=1.0,
+    )
+    pull = vv.Prescribed(solid=body, nodes="all", motion=lambda t, X: 0.2 * t * X * [1, 0, 0])
+    strain = 0.5 * (1.2**2 - 1)
+    system = vv.System([body, pull])
+    vv.simulate(system, until=1.0, step=1.0, scheme=scheme)
+    assert system.stepper.rejected > 0
+    assert body.damages(system.x) == pytest.approx(strain**2 / (strain**2 + 1e-4), abs=0.025)
+
+
 def test_a_restarted_crack_goes_on_to_the_bit(tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(vv.System([breaking()]), until, 0.01)
