@@ -43,3 +43,11 @@ def test_bad_expressions_are_refused_in_a_line(name: str) -> None:
 def test_a_long_sum_is_evaluated() -> None:
     f = vv.TimeFunction("+".join(f"sin({k}*t)/{k}" for k in range(1, 250)))
     assert f.rate(0.0) == pytest.approx(249.0)
+
+
+def test_functions_of_time_and_place_are_refused_for_one_component() -> None:
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0.0)
+    )
+    with pytest.raises(vv.InputError, match="called with t alone"):
+        vv.Prescribed(solid=block, nodes="x1", motion=(lambda t, X: t * X[:, 0], None, None))

@@ -218,3 +218,20 @@ def test_probes_of_another_system_are_refused(probe: Any) -> None:
         vv.simulate(here, until=1.0, step=0.5, record=[probe(b)])
     with pytest.raises(vv.InputError, match="'b' is not in this system but in another"):
         vv.simulate(here, until=2.0, step=0.5).history(probe(b))
+
+
+def test_fields_of_bodies_that_do_not_move() -> None:
+    """Linear in place, as their cells hold it."""
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(4, 4))
+
+    def field(X: Array) -> Array:
+        return 0.3 + 0.1 * X[:, 0] - 0.2 * X[:, 1]
+
+    mixed = vv.CahnHilliard(
+        mesh=mesh, free_energy=vv.DoubleWell(barrier=1.0), gradient_energy=1.0, concentration=field
+    )
+    warm = vv.ThermalBody(mesh=mesh, conductivity=1.0, temperature=field)
+    system = vv.System([mixed, warm])
+    for body, name in ((mixed, "concentration"), (warm, "temperature")):
+        found = vv.FieldAt(solid=body, field=name, at=(0.3, 0.6, 0))(system)
+        assert found == pytest.approx(0.3 + 0.03 - 0.12, abs=1e-14)

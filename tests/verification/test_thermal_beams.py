@@ -267,6 +267,36 @@ def test_heat_flows_through_a_plate(cell: str) -> None:
     assert result.ledger.swing("total") < 1e-3 * 5e3 * 200
 
 
+def pipe(radius: float, thickness: float, n: int) -> vv.ThermalShell:
+    """Of length 1, outside up."""
+    first = np.arange(n)
+    angle, then = 2 * np.pi * first / n, np.roll(first, -1)
+    ring = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1)
+    return vv.ThermalShell(
+        mesh=vv.Mesh(
+            points=np.vstack([ring, ring + np.eye(3)[2]]),
+            cells={"quad4": np.stack([first, then, then + n, first + n], 1)},
+        ),
+        section=vv.SolidSection(material=SOFT, thickness=thickness, density=1.0),
+        heat=vv.Heat(conductivity=1e4, capacity=10.0, reference=600.0),
+    )
+
+
+@pytest.mark.parametrize(("side", "sign"), [("upper", 1.0), ("lower", -1.0)])
+def test_heat_through_a_side_is_per_area_of_that_side(side: str, sign: float) -> None:
+    """2 pi (R +- t/2) a length, of a pipe whose wall is .4 of its radius; chords shorten both alike."""
+    R, t, n = 1.0, 0.4, 24
+    area = 2 * np.pi * (R + sign * t / 2) * np.sinc(1 / n)
+    for load in (
+        lambda body: vv.HeatFlux(body=body, faces=side, flux=3.0),
+        lambda body: vv.Convection(body=body, faces=side, coefficient=1e-6, ambient=3e6 + 600.0),
+    ):
+        body = pipe(R, t, n)
+        result = vv.simulate(vv.System([body, load(body)]), until=0.01, step=0.01)
+        came = sum(result.ledger[name][-1] for name in result.ledger.names if name.startswith("heat"))
+        assert came == pytest.approx(3.0 * area * 0.01, rel=1e-6)
+
+
 def test_a_plate_heated_on_one_side_has_a_quadratic_profile() -> None:
     """Once all of it warms alike, T'' = q / k h: the middle lags the mean of the faces by q h / 8 k."""
     found = []

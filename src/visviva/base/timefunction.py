@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import bisect
 import cmath
+import inspect
 import math
 import operator
 import sys
@@ -230,6 +231,7 @@ class TimeFunction:
 def _plain(source: Any) -> Source:
     """A source checked and turned into plain data."""
     if callable(source) and not isinstance(source, type):
+        _refuse_arguments(source)
         return source  # type: ignore[no-any-return]
     if isinstance(source, str):
         return source
@@ -244,6 +246,18 @@ def _plain(source: Any) -> Source:
     if not math.isfinite(number):
         raise InputError(f"a function of time cannot be the constant {number}")
     return number
+
+
+def _refuse_arguments(function: Callable[..., Any]) -> None:
+    try:
+        inspect.signature(function).bind(0.0)
+    except ValueError:  # written in C, and says nothing of its arguments
+        pass
+    except TypeError as error:
+        raise InputError(
+            f"a function of time is called with t alone, and {function!r} takes other arguments ({error}); functions "
+            "of time and place f(t, X) stand alone, where they are taken, and not for one component"
+        ) from None
 
 
 def _table(source: Any) -> tuple[tuple[float, float], ...]:

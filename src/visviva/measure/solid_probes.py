@@ -13,6 +13,7 @@ from visviva.body.director_body import DirectorBody, refuse_thin
 from visviva.body.element import masses, nodal_masses
 from visviva.body.mesh_body import MeshBody
 from visviva.component.component import settings
+from visviva.component.meshed import Meshed
 from visviva.component.remembered import remembered
 from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
@@ -87,11 +88,11 @@ class Velocity(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class FieldAt(Reading):
-    """Probe: a field of a solid, smoothed to nodes, at a place.
+    """Probe: a field of what has a mesh, smoothed to nodes, at a place.
 
     Parameters
     ----------
-    solid : Solid
+    solid : Solid, ThermalBody, CahnHilliard or another body on a mesh
     field : str
         See `Solid.nodal`.
     at : array (3,)
@@ -108,7 +109,7 @@ class FieldAt(Reading):
     [0.2, 0.0, 0.0]
     """
 
-    solid: MeshBody
+    solid: Meshed
     field: str = "von_mises"
     at: Vector3 = (0.0, 0.0, 0.0)
 
@@ -400,7 +401,7 @@ def nodal_volume(body: MeshBody, cells: NDArray[np.bool_]) -> Array:
     return nodal_masses(body.grid.n_nodes, parts)
 
 
-def width_of(body: MeshBody, field: str) -> int:
+def width_of(body: Meshed, field: str) -> int:
     """Number of components of a field.
 
     Raises

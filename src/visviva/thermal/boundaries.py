@@ -192,7 +192,7 @@ class ThroughFaces(ThroughPoints):
         refuse_periodic(self.label, self.body, self.body.periodic, self._faces)
 
     def points(self) -> Sequence[Points]:
-        return list(self.body.face_points(self._faces))
+        return list(self.body.heated_points(self._faces))
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -281,6 +281,17 @@ class Radiation(ThroughFaces):
         self._values = Values(self.label, "ambient", self.ambient)
         start = np.append(self._values.checked(self.body.points), self.body.start_temperatures)
         self._refuse_below_zero(start, InputError)
+
+    def remarks(self) -> list[str]:
+        warmest = max(
+            float(t.max()) for t in (self._values.checked(self.body.points), self.body.start_temperatures)
+        )
+        if self.zero != 0.0 or self.constant != STEFAN_BOLTZMANN or warmest >= 100:
+            return []
+        return [
+            f"{self.label}: temperatures of {warmest:g} at most radiate as kelvin, as zero = 0; if they are degrees "
+            "Celsius, give zero = -273.15"
+        ]
 
     def _refuse_below_zero(self, temperatures: Array, kind: type[Exception]) -> None:
         least = float(temperatures.min())

@@ -125,6 +125,10 @@ class HeatCarrier(Component):
     def face_points(self, faces: Faces) -> Iterator[FacePoints]:
         """Quadrature points of faces, type by type."""
 
+    def heated_points(self, faces: Faces) -> Iterator[FacePoints]:
+        """Quadrature points of faces for heat that comes in from outside, where the material ends."""
+        return self.face_points(faces)
+
     @abstractmethod
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
         """The unknown of the temperature of each node at which heat passes in a step."""
@@ -166,6 +170,16 @@ class HeatCarrier(Component):
         """Port for heat that nodes (k,) share by weights (k,), which add up to one."""
         contents, temperatures = self.balance_unknowns(nodes), self.temperature_unknowns(nodes)
         return HeatPort(contents.astype(np.int64), temperatures.astype(np.int64), weights)
+
+
+def taken_for_kelvin(label: str, warmest: float) -> list[str]:
+    """A remark on temperatures that count from absolute zero and look as if they were in degrees Celsius."""
+    if not 0 < warmest < 100:
+        return []
+    return [
+        f"{label}: its temperatures count from absolute zero, and the highest one at the start is {warmest:g}; if "
+        f"that is in degrees Celsius, give {warmest + 273.15:g} (and a reference in kelvin)"
+    ]
 
 
 class HeatInput(Term):

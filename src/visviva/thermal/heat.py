@@ -91,8 +91,8 @@ class Heat(HeatLaw):
     conductivity : float, or array (3,) or (3, 3)
         Isotropic, along the axes, or a symmetric tensor.
     capacity : float, or rows of temperature and capacity
-        Heat per reference volume and temperature at constant strain. Between the rows of a table it is linear, beyond
-        its ends it stays.
+        Heat per reference volume and temperature at constant strain. Between the rows of a table, six at most, it is
+        linear, beyond its ends it stays.
     expansion : float
         Strain per temperature that heat alone would leave, at small changes.
     reference : float

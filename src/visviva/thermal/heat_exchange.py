@@ -237,6 +237,18 @@ class HeatExchange(Component):
         for end in self._ends():
             end.refuse_misfits(self.label)
 
+    def remarks(self) -> list[str]:
+        """On sides of which one counts from absolute zero and the other looks as if it were in degrees Celsius."""
+        ends = self._ends()
+        starts = [float(end.of.start_temperatures.mean()) for end in ends]
+        apart = len(ends) == 2 and ends[0].port().balances_heat != ends[1].port().balances_heat
+        if not (apart and min(starts) < 100 and 150 < max(starts) - min(starts) < 450):
+            return []
+        return [
+            f"{self.label}: {ends[0].of.label} begins at {starts[0]:g} and {ends[1].of.label} at {starts[1]:g}; "
+            "temperatures of one of them count from absolute zero: give both in kelvin"
+        ]
+
     def _ends(self) -> list[End]:
         ends = [End("a", self.a, self.nodes_a, self.at_a, self.faces_a)]
         if self.b is not None:

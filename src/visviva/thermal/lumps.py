@@ -60,6 +60,11 @@ class Lump(Component):
     def start_temperature(self) -> float:
         return float(self.reference if self.temperature is None else self.temperature)
 
+    @property
+    def start_temperatures(self) -> NDArray[np.float64]:
+        """The same, as bodies on meshes have it."""
+        return np.array([self.start_temperature])
+
     def declare(self, model: Model) -> None:
         T = self.start_temperature
         s = self.capacity * np.log(T / self.reference)

@@ -48,8 +48,8 @@ class ThermalBody(Meshed, HeatCarrier):
     conductivity : float, or array (3,) or (3, 3)
         Isotropic, along the axes, or a symmetric tensor; heat flows with ``-k grad T`` per area (Fourier).
     capacity : float, or rows of temperature and capacity
-        Heat per mass and temperature; per volume where `density` is 1. Between the rows of a table it is linear, beyond
-        its ends it stays.
+        Heat per mass and temperature; per volume where `density` is 1. Between the rows of a table, six at most, it is
+        linear, beyond its ends it stays.
     density : float
     temperature : float, or a function of positions (n, 3) with values (n,)
         At the start.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,6 +18,7 @@ from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
+from visviva.mesh.faces import Faces
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -64,8 +65,8 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     Nodes have two entropies and two temperatures, the mean through the thickness and half the difference of the faces,
     and with quadratic profiles a third, the factor of ``zeta^2 - 1/3`` with zeta from -1 to 1; energy and both laws are
     those of `ThermoelasticSolid`, at every point of every layer. Heat comes in through the sides
-    'upper' and 'lower' by `HeatFlux`, `Convection` and `Radiation`. `PrescribedTemperature` holds nodes at one
-    temperature through the thickness.
+    'upper' and 'lower' by `HeatFlux`, `Convection` and `Radiation`, per area of the side itself.
+    `PrescribedTemperature` holds nodes at one temperature through the thickness.
 
     Examples
     --------
@@ -253,6 +254,10 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             (lambda x: self._profiles(x)[nodes].T.ravel()),
         )
         model.term(owner, HeldStep(table, values, found))
+
+    def heated_points(self, faces: Faces) -> Iterator[FacePoints]:
+        """Of sides on these themselves, whose areas differ from that of the middle where the shell is curved."""
+        return self.face_points(faces, on_sides=True)
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         side = np.zeros(len(points.nodes))

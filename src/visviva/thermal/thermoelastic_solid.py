@@ -31,6 +31,7 @@ from visviva.thermal.carrier import (
     GivenTemperatures,
     HeatCarrier,
     Law,
+    taken_for_kelvin,
 )
 from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
@@ -140,7 +141,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(f"{self.label}: {beyond}")
 
     def remarks(self) -> list[str]:
-        found = super().remarks()
+        found = [*super().remarks(), *taken_for_kelvin(self.label, float(self.start_temperatures.max()))]
         if not isinstance(self.heat, Heat):
             return found
         number = self.heat.coupling_number(self.body_material, float(self.start_temperatures.mean()))
