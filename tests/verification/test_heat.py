@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import visviva as vv
 
@@ -54,6 +55,55 @@ def test_order_in_time(scheme: vv.Scheme, order: int) -> None:
         errors.append(abs(at(system, body, 0.0) - np.exp(-rate * 0.2)))
     found = np.log2(np.array(errors[:-1]) / errors[1:])
     assert found[-1] == pytest.approx(order, abs=0.2)
+
+
+def cooled(capacity: Any, scheme: vv.Scheme, steps: int, until: float = 6.0) -> tuple[vv.System, vv.Result]:
+    """A unit cube at 20 in surroundings at -30 that take 1 per temperature; as well as one temperature."""
+    body = vv.ThermalBody(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        conductivity=1e4,
+        capacity=capacity,
+        temperature=20.0,
+    )
+    system = vv.System([body, vv.Convection(body=body, faces="all", coefficient=1 / 6, ambient=-30.0)])
+    return system, vv.simulate(system, until=until, step=until / steps, scheme=scheme)
+
+
+def content_of_a_lump(capacity: list[tuple[float, float]], until: float = 6.0) -> float:
+    """What it loses, from u' = -(T(u) + 30) by a Runge-Kutta method of order 8."""
+    T = np.linspace(-30, 20, 2_000_001)
+    c = np.interp(T, *np.transpose(capacity))
+    u = np.concatenate([[0], np.cumsum(0.5 * (c[1:] + c[:-1]) * np.diff(T))])
+    found = solve_ivp(
+        lambda t, u_: -(np.interp(u_, u, T) + 30), (0, until), u[-1:], "DOP853", rtol=1e-10, max_step=0.01
+    )
+    return float(u[-1] - found.y[0, -1])
+
+
+LATENT = [(-100.0, 1.0), (-0.2, 1.0), (-0.1, 2001.0), (0.0, 1.0), (100.0, 1.0)]
+"""200 within 0.2 degrees."""
+
+
+@pytest.mark.parametrize(("scheme", "order"), SCHEMES)
+def test_latent_heat_is_kept_by_every_scheme(scheme: vv.Scheme, order: int) -> None:
+    """Steps jump over the hump of the capacity, and see it all the same: what is lost is what a lump loses."""
+    exact, off = content_of_a_lump(LATENT), []
+    for n in (30, 120):
+        _, result = cooled(LATENT, scheme, n)
+        lost, taken = -np.ptp(result.ledger["total"]), result.ledger["heat_convection"][-1]
+        assert result.ledger["total"][-1] - result.ledger["total"][0] == pytest.approx(lost)
+        off.append(max(abs(lost + exact), abs(taken + exact)) / exact)
+        assert lost == pytest.approx(taken, rel=1e-11 if order == 1 or n == 0 else 0.02)
+    assert off[0] < 0.06
+    assert off[1] < 0.02
+
+
+@pytest.mark.parametrize(("scheme", "order"), SCHEMES)
+@pytest.mark.parametrize("capacity", [[(-100.0, 201.0), (100.0, 1.0)]])
+def test_order_in_time_with_a_capacity_that_changes(scheme: vv.Scheme, order: int, capacity: Any) -> None:
+    exact = content_of_a_lump(capacity, 40.0)
+    off = [abs(-np.ptp(cooled(capacity, scheme, n, 40.0)[1].ledger["total"]) + exact) for n in (10, 20, 40)]
+    assert np.log2(off[1] / off[2]) == pytest.approx(order, abs=0.25)
 
 
 @pytest.mark.parametrize(

@@ -450,3 +450,28 @@ def test_statics_of_what_a_weak_exchange_holds_end_at_its_temperature(uneven: fl
     else:
         vv.quasi_static(system, until=1.0, step=0.5)
     assert body.temperatures(system.x) == pytest.approx(310.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
+def test_latent_heat_of_a_held_solid(scheme: vv.Scheme) -> None:
+    """200 over 4 K: far above they cost no step, on them it loses what a lump does, c T' = 243 - T."""
+    table = [(173.0, 1.0), (269.0, 1.0), (271.0, 101.0), (273.0, 1.0), (373.0, 1.0)]
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.NeoHooke(young=1.0, poisson=0.3),
+        density=1e-3,
+        heat=vv.Heat(conductivity=100.0, capacity=table, expansion=0.0, reference=293.0),
+        temperature=293.0,
+    )
+    cold = vv.Convection(body=body, faces="all", coefficient=1 / 6, ambient=243.0)
+    system = vv.System([body, vv.Fixed(solid=body, nodes="all"), cold])
+    result = vv.simulate(system, until=0.2, step=0.02, scheme=scheme)
+    order = 4e-3 if scheme.order == 1 else 2e-5  # of T
+    assert len(result.times) == 11
+    assert body.temperatures(system.x).mean() == pytest.approx(243 + 50 * np.exp(-0.2), rel=order)
+    vv.simulate(system, until=6.0, step=0.05, scheme=scheme)
+    T = np.linspace(293.0, body.temperatures(system.x).mean(), 200001)
+    c = np.interp(T, *np.transpose(table))
+    assert float(np.trapezoid(-c / (T - 243.0), T)) == pytest.approx(
+        6.0, abs=0.1 if scheme.order == 1 else 0.01
+    )

@@ -16,8 +16,9 @@ VISVIVA_INLINE T neo_hookean(const T* c, V lambda, V mu, T& log_j) {
     return (0.5 * mu) * (c[0] + c[1] + c[2] - 2.0 * log_j) + (0.5 * lambda) * (log_j * log_j);
 }
 
-/// Heat content of what does not move, see Capacity. Parameters: c, theta0, what else is said of the
-/// capacity, and of the pairing six conductivities 11, 22, 33, 12, 23, 31 at theta0 and their relative slope.
+/// Heat content of what does not move, see Capacity; this one where the capacity is constant. Parameters: c,
+/// theta0, what else is said of the capacity, and of the pairing six conductivities 11, 22, 33, 12, 23, 31 at
+/// theta0 and their relative slope.
 struct CapacityEnergy : PlainEnergy {
     static constexpr int n = 1, conductivity = 2 + Capacity::n_par, slope = conductivity + 6,
                          max_par = slope + 1;
@@ -25,15 +26,49 @@ struct CapacityEnergy : PlainEnergy {
     explicit CapacityEnergy(const V* par) : p(par) {}
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        const Capacity capacity{p[0], p[1], p + 2};
-        const V rise = e[0] - p[1];
-        to.W = capacity.content(rise), to.s[0] = capacity.at(rise);
-        if (second) to.d[0] = capacity.bend(rise);
+        to.W = p[0] * (e[0] - p[1]), to.s[0] = p[0];
+        if (second) to.d[0] = V{};
     }
 };
 
-/// u' = div(k grad theta): the capacity, of a whole step where the scheme takes discrete gradients, times the
-/// rate of the temperature is the change of the heat content.
+/// Heat content u of a capacity that depends on the temperature. A capacity at one moment of a step sees
+/// nothing of latent heat that the step jumps over; so the rate of u follows from its increment and from its
+/// own history by the table that the scheme has for fields of order 1. Internal variables: whether there is
+/// a history, and its a and w.
+struct HeatContentEnergy : PlainEnergy {
+    static constexpr int n_internal = 3, n = 1 + n_internal, max_par = CapacityEnergy::max_par;
+    static constexpr bool remembers_rates = true;
+    const V* p;
+    Capacity capacity;
+    explicit HeatContentEnergy(const V* par) : p(par), capacity(p[0], p[1], p + 2) {}
+    template <bool second>
+    void evaluate(const V* e, Potential<n>& to) const {
+        to.W = capacity.content(e[0] - p[1]);
+    }
+    /// The mean capacity s of the step and its derivative T; what histories share in the rates of theta and
+    /// of u, behind `et`. At the start of histories those of u are those of theta times the capacity.
+    template <bool tangent>
+    void follow(const Step& step, V rate, const V* e0, V* e1, V* et, V* s, V* T) const {
+        const auto& t = step.transport;
+        V bend;
+        s[0] = capacity.mean(e0[0] - p[1], e1[0] - p[1], bend);
+        const double share = step.stress == Stress::discrete_gradient ? 1.0 : step.theta;
+        if constexpr (tangent) T[0] = share > 0 ? bend / share : V{};
+        for (int k = 1; k < n; ++k) e1[k] = et[k] = V{};
+        const double both = t[0][2] + t[0][3];
+        if (both == 0) return;
+        const V change = e1[0] - e0[0], of_theta = rate - t[0][0] * change,
+                first = capacity.at(e0[0] - p[1]) * of_theta / both;
+        const VI known = e0[1] > 0.0;
+        const V a = select(known, e0[2], first), w = select(known, e0[3], first);
+        et[1] = of_theta, et[2] = t[0][2] * a + t[0][3] * w;
+        e1[1] = broadcast(1.0);
+        for (int k = 0; k < 2; ++k)
+            e1[2 + k] = t[3 + k][0] * (s[0] * change) + t[3 + k][2] * a + t[3 + k][3] * w;
+    }
+};
+
+/// u' = div(k grad theta), and the ways that heat takes.
 struct ConductionPairing {
     static constexpr bool is_gradient = false;
     template <class State>
@@ -51,6 +86,16 @@ struct ConductionPairing {
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
         return V{};
+    }
+};
+
+/// The same with the rate of HeatContentEnergy.
+struct HeatContentPairing : ConductionPairing {
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        ConductionPairing::forces(z, f);
+        const V *of_theta = z.p.zt + 1, *of_u = z.p.zt + 2;
+        f[0] = f[0] + (-*of_theta) * z.s(0) + *of_u;
     }
 };
 

@@ -12,6 +12,7 @@ VISVIVA_PHYSICS(layer, LAYER, LayerMap, LayerEnergy)  // of a shell whose direct
 VISVIVA_PHYSICS(pressed_layer, PRESSED_LAYER, PressedLayerMap, PressedLayerEnergy)  // and its pressure
 VISVIVA_PHYSICS(damped_beam, DAMPED_BEAM, BeamMap, SectionEnergy<6, 21>, ViscousPairing<6>)  // Gamma, K, their rates
 VISVIVA_PHYSICS(conduction, CONDUCTION, ScalarMap, CapacityEnergy, ConductionPairing)  // temperature, its gradient
+VISVIVA_PHYSICS(latent_conduction, LATENT_CONDUCTION, ScalarMap, HeatContentEnergy, HeatContentPairing)  // with a capacity that depends on it
 VISVIVA_PHYSICS(branch, BRANCH, SolidMap, BranchEnergy)  // C, with the viscous strain of a Maxwell branch
 VISVIVA_PHYSICS(branch_in_plane, BRANCH_IN_PLANE, PlaneMap, BranchEnergy)
 VISVIVA_PHYSICS(branch_of_revolution, BRANCH_OF_REVOLUTION, RevolutionMap, BranchEnergy)

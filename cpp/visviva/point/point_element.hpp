@@ -201,7 +201,9 @@ struct PointElement {
                 return energy.template discrete_gradient<tangent>(p.z0, p.z1, p.s, p.T);
         }
         if constexpr (n_h > 0) {
-            if constexpr (requires(V* a) { energy.template remember<tangent>(step, a, a, a, a, a); }) {
+            if constexpr (requires { Energy::remembers_rates; }) {
+                energy.template follow<tangent>(step, p.rate[0], p.z0, p.z1, p.zt, p.s, p.T);
+            } else if constexpr (requires(V* a) { energy.template remember<tangent>(step, a, a, a, a, a); }) {
                 energy.template remember<tangent>(step, p.z0, p.z1, p.zt, p.s, p.T);
             } else {
                 const VI found = evolve<tangent>(energy, step, active(), p.z0, p.z1, p.zt, p.s, p.T, p.lost);

@@ -231,6 +231,10 @@ void PointTerm::read_history(const double*& history) {
     history += history0_.size();
 }
 
+void PointTerm::forget_rates() {
+    if (kernels_.shape.remembers_rates) std::fill(history0_.begin(), history0_.end(), 0.0);
+}
+
 void PointTerm::return_to(Past past) {
     const auto& then = past == Past::step ? before_ : at_tangent_;
     std::copy(then.begin(), then.end(), history0_.begin());

@@ -71,6 +71,9 @@ class PointTerm : public Term,
     void read_history(const double*& history) override;
     void return_to(Past) override;
 
+    /// The unknowns have new histories, as at the start of a run: what it remembers of rates is no more.
+    void forget_rates();
+
     /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside
     /// the core [variable][block][point][8].
     const Aligned<double>& history() const { return history0_; }

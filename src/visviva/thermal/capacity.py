@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,8 +33,8 @@ class Capacity:
 
     def parameters(self) -> list[float]:
         """Beside `c` and `zero`, of the core."""
-        rest = MOST_BENDS - len(self.bends)
-        return [self.slope, *self.bends.ravel(), *[1.0, 0.0] * rest]
+        rest, last = MOST_BENDS - len(self.bends), self.bends[-1, 0] if len(self.bends) else 1.0
+        return [self.slope, *self.bends.ravel(), *[last, 0.0] * rest]
 
     def times(self, factor: float) -> Capacity:
         """Capacity multiplied by `factor`."""
@@ -43,45 +44,59 @@ class Capacity:
     def is_constant(self) -> bool:
         return not self.slope and not np.any(self.bends[:, 1:])
 
+    def _pieces(self, T: Array) -> Iterator[tuple[Any, float, Any, Array]]:
+        """Pieces ``v + m (T - a)`` between bends that temperatures (n,) are away from `zero`: v, m, a, and how far.
+
+        Sums over bends lose, far above a narrow hump, the digits of what these have in common.
+        """
+        ends, m, v = [*self.bends[1:, 0], np.inf][: len(self.bends)], 0.0, 0.0
+        for (t, b), end in zip(self.bends, ends, strict=True):
+            m += b
+            a = min(max(self.zero, t), end)
+            yield v + m * (a - t), m, a, np.clip(T, t, end) - a
+            v += m * (end - t) if np.isfinite(end) else 0.0
+
     def at(self, T: Array) -> Array:
         """Capacity (n,) at temperatures (n,)."""
         total = self.c * (1 + self.slope * (T - self.zero))
-        for t, b in self.bends:
-            total = total + b * np.maximum(T - t, 0)
+        if len(self.bends):
+            t, b = self.bends.T
+            values = np.concatenate([[0.0], np.cumsum(np.cumsum(b)[:-1] * np.diff(t))])
+            total = total + np.interp(T, t, values)
         return np.asarray(total)
 
     def content(self, T: Array) -> Array:
         """Heat (n,) that it takes from `zero` to temperatures (n,)."""
         rise = T - self.zero
         total = self.c * rise * (1 + 0.5 * self.slope * rise)
-        for t, b in self.bends:
-            total = total + 0.5 * b * (np.maximum(T - t, 0) ** 2 - max(self.zero - t, 0) ** 2)
+        for v, m, _, d in self._pieces(T):
+            total = total + d * (v + 0.5 * m * d)
         return np.asarray(total)
 
     def entropy(self, T: Array) -> Array:
         """Entropy (n,) that it takes."""
         ratio = T / self.zero
         total = self.c * ((1 - self.slope * self.zero) * np.log(ratio) + self.slope * self.zero * (ratio - 1))
-        for t, b in self.bends:
-            total = total + b * (bent(t, T) - bent(t, np.asarray(self.zero)))
+        for v, m, a, d in self._pieces(T):
+            if a > 0:
+                total = total + (v - m * a) * np.log1p(d / a) + m * d
         return np.asarray(total)
 
     def temperature(self, H: Array) -> Array:
-        """Temperatures (n,) at entropies (n,)."""
+        """Temperatures (n,) at entropies (n,), by Newton's method within what is known to hold them."""
         y = H / self.c
-        for _ in range(0 if self.is_constant else 60):
+        low, high = np.full_like(y, -700.0), np.full_like(y, 700.0)
+        for _ in range(0 if self.is_constant else 200):
+            y = np.where((y > low) & (y < high), y, 0.5 * (low + high))
             T = self.zero * np.exp(y)
-            step = np.clip((self.entropy(T) - H) / self.at(T), -1, 1)
+            off, c = self.entropy(T) - H, self.at(T)
+            low, high = np.where(off < 0, y, low), np.where(off > 0, y, high)
+            step = np.clip(off / c, -1, 1)
             y = y - step
-            if not np.any(np.abs(step) > 1e-15):
+            tiny = 1e-15 * (np.abs(y) + np.abs(H) / c)
+            if not np.any((np.abs(step) > tiny) & (high - low > tiny)):
                 break
         return np.asarray(self.zero * np.exp(y))
-
-
-def bent(t: float, T: Array) -> Array:
-    """Gain of entropy above a bend."""
-    rise = np.maximum(T - t, 0)
-    return np.asarray(rise - t * np.log1p(rise / t) if t > 0 else rise)
 
 
 def capacity_of(label: str, given: Any, slope: float, zero: float) -> Capacity:

@@ -65,8 +65,9 @@ class ThermalBody(Meshed, HeatCarrier):
     Notes
     -----
     Temperatures may be relative, in degrees Celsius say, since nothing here asks for the absolute ones; the ledger
-    then has no entropy. The heat content is booked as stored energy. With the energy-momentum scheme it changes
-    by exactly what flows in, however the capacity depends on the temperature.
+    then has no entropy. The heat content is booked as stored energy. With `EnergyMomentum` and `BackwardEuler` it
+    changes by exactly what flows in, however the capacity depends on the temperature; `BDF2` and `GeneralizedAlpha`
+    apply their formulas to the heat content. No scheme misses latent heat that a step jumps over.
 
     Examples
     --------
@@ -189,6 +190,7 @@ class ThermalBody(Meshed, HeatCarrier):
     def contribute(self, model: Model) -> None:
         stores = self._stores.times(self.density)
         constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
+        kind = PhysicsKind.CONDUCTION if stores.is_constant else PhysicsKind.LATENT_CONDUCTION
         own, first = shared_out(self.grid), 0
         open_accounts(model, self)  # where a process has no cells, too
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
@@ -201,7 +203,7 @@ class ThermalBody(Meshed, HeatCarrier):
             weights = np.zeros((m, q, k, 4))
             weights[..., 0], weights[..., 1 : 1 + d] = N, gradients
             group = Group(self.temperature_unknowns(nodes[some]), weights)
-            term = add_points(model, self, PhysicsKind.CONDUCTION, [group], volume, constants)
+            term = add_points(model, self, kind, [group], volume, constants)
             model.announce(self, SharedOut(term))
 
         if self.conductivity_slope or self.capacity_slope:
