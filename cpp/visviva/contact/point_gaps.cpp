@@ -64,11 +64,13 @@ bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
 // curved surface and does not end at some angle from where it came in.
 bool PointGaps::settle(const double* X) {
     find_middles({X, start()});
-    return sides_.settle({X, X + skin_.constant.size()}, [&](int A) {
-        if (deforms(A) || !is_inside(X, A)) return Sides::nearest;
-        const int came = side(X, A), near = nearest_side(X, A);
-        const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
-        return came < 0 || follows ? near : came;
+    return sides_.settle({X, X + skin_.constant.size()}, [&](std::vector<int>& sides) {
+        for (int A = 0; A < n_; ++A) {
+            if (deforms(A) || !is_inside(X, A)) continue;
+            const int came = side(X, A), near = nearest_side(X, A);
+            const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
+            sides[A] = came < 0 || follows ? near : came;
+        }
     });
 }
 

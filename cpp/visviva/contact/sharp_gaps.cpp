@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "visviva/contact/sharp_pairs.hpp"
+#include "visviva/contact/sides.hpp"
 
 namespace visviva {
 
@@ -14,10 +15,28 @@ using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 using Pair = SharpPairs::Pair;
 
-constexpr double at_end = 1e-6;  // part of an edge by which places at its ends are none of it
+constexpr double at_end = 1e-9;  // part of an edge by which places at its ends are none of it: rounding
 constexpr double beside = 0.1;   // sine by which normals may lie beside those of a part: faces on each other
 constexpr double coming = 0.5;   // part of an edge beyond its ends, and sine, from where a step may come
 constexpr double again = 0.35;   // of the reach: so far bodies may move until the next search
+
+/// What a gap holds in a step.
+struct Held {
+    Pair pair;
+    bool meets = false, opens = false;  // where the step begins: whether it touches there, or is outside
+    double offset = 0;                  // how deep it was found first, which stores no energy
+    bool operator==(const Held&) const = default;
+};
+
+void write_side(std::vector<double>& m, const Held& h) {
+    m.insert(m.end(), {static_cast<double>(h.pair.number), h.pair.sign, h.meets ? 1.0 : 0.0,
+                       h.opens ? 1.0 : 0.0, h.offset});
+}
+
+void read_side(const double*& m, Held& h) {
+    h = {{static_cast<long>(m[0]), m[1]}, m[2] != 0, m[3] != 0, m[4]};
+    m += 5;
+}
 
 class SharpGaps : public Gaps {
   public:
@@ -29,7 +48,13 @@ class SharpGaps : public Gaps {
     bool settle(const double* X) override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void keep_sides() override { keeps_ = true; }
-    long place(int gap) const override { return held_[gap].pair.number; }
+    void mark_tangent() override { held_.mark_tangent(); }
+    void write_memory(std::vector<double>& m) const override { m.push_back(unheld_), held_.write(m); }
+    void read_memory(const double*& m) override {
+        unheld_ = static_cast<int>(*m++), held_.read(m);
+        take_stencils();
+    }
+    long place(int gap) const override { return held_.of(gap).pair.number; }
     void values(const double* X, double* gap, double* area) override;
     void approaches(const double*, const double*, std::vector<Approach>& out) const override {
         out.assign(n_, {options_.depth, 0});  // half of that is too deep; what passes whole edges is watched
@@ -41,24 +66,23 @@ class SharpGaps : public Gaps {
                std::vector<Grip>& out) override;
 
   private:
-    struct Held {
-        Pair pair;
-        bool meets = false;  // where the step begins
-        bool operator==(const Held&) const = default;
-    };
     struct Candidate {
         Held held;
         double gap;
     };
-    bool sees(const double* X, int gap) const;
+    bool sees(const double* X, const Held&) const;
+    bool sees(const double* X, int gap) const { return sees(X, held_.of(gap)); }
     void find(const double* X, std::vector<Candidate>& found) const;
-    Meeting meeting(const double* X, int gap) const { return pairs_.meeting(X, held_[gap].pair); }
+    Candidate candidate(const double* X, const Pair& pair) const;
+    std::vector<Held> hold(const double* X);
+    void take_stencils();
+    Meeting meeting(const double* X, int gap) const { return pairs_.meeting(X, held_.of(gap).pair); }
 
     SharpOptions options_;
     SharpPairs pairs_;
     std::vector<int> all_;  // so many vertices that all unknowns are among theirs
     std::vector<long> near_;
-    std::vector<Held> held_;
+    SidesOf<Held> held_{{}};
     bool static_ = false, keeps_ = false;
 };
 
@@ -82,16 +106,28 @@ bool SharpGaps::search(const double* from, const double* to) {
     return false;  // couples all unknowns of both bodies always
 }
 
+// What was outside or touched where the last step began goes on by the side it came in. What comes to touch
+// from inside, as where an edge slides past the end of another one, is held there: by penalty its force begins
+// from zero, and what it has is never more than what it has been given.
+SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) const {
+    const auto& held = held_.all();
+    const auto before = std::find_if(held.begin(), held.end(), [&](const Held& h) { return h.pair == pair; });
+    const bool is_new = before == held.end(), stays = !is_new && before->meets;
+    const double gap = pairs_.meeting(X, pair).distance, deep = std::max(-gap, 0.0);
+    Held next{pair, pairs_.meets(X, pair, -at_end, beside, stays), gap >= 0, 0};
+    if (next.meets && !static_ && !keeps_ && !held_.start().empty())
+        next.offset = is_new || !sees(X, *before) ? deep : std::min(before->offset, deep);
+    return {next, gap};
+}
+
 // Those that meet, and then what is nearest to that.
 void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
     for (const long p : near_) {
         if (pairs_.is_apart(X, p)) continue;
         for (const double sign : {1.0, -1.0}) {
             if (sign < 0 && !pairs_.has_signs(p)) continue;
-            const Pair pair{p, sign};
-            if (!pairs_.meets(X, pair, coming, coming)) continue;
-            found.push_back(
-                {{pair, pairs_.meets(X, pair, -at_end, beside)}, pairs_.meeting(X, pair).distance});
+            if (const Pair pair{p, sign}; pairs_.meets(X, pair, coming, coming))
+                found.push_back(candidate(X, pair));
         }
     }
     auto sooner = [](const Candidate& a, const Candidate& b) {
@@ -101,7 +137,7 @@ void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
 }
 
 // Pairs keep their gap from step to step unless another one wants it, and it follows from places alone.
-bool SharpGaps::settle(const double* X) {
+std::vector<Held> SharpGaps::hold(const double* X) {
     std::vector<Candidate> found;
     find(X, found);
     const auto meets = [](const Candidate& c) { return c.held.meets; };
@@ -116,29 +152,38 @@ bool SharpGaps::settle(const double* X) {
         while (held[gap].pair.number >= 0) gap = (gap + 1) % n_;
         held[gap] = c.held;
     }
-    if (held == held_) return false;
-    held_ = std::move(held);
-    for (int A = 0; A < n_; ++A) {
-        stencils_[A].clear();
-        if (held_[A].pair.number < 0) continue;
-        const auto stencil = pairs_.stencil(held_[A].pair.number);
-        stencils_[A].assign(stencil.begin(), stencil.end());
-    }
+    return held;
+}
+
+bool SharpGaps::settle(const double* X) {
+    const std::vector<double> here{X, X + skin_.constant.size()};
+    if (!held_.settle(here, [&](std::vector<Held>& held) { held = hold(X); })) return false;
+    take_stencils();
     return true;
 }
 
+void SharpGaps::take_stencils() {
+    for (int A = 0; A < n_; ++A) {
+        stencils_[A].clear();
+        if (held_.of(A).pair.number < 0) continue;
+        const auto stencil = pairs_.stencil(held_.of(A).pair.number);
+        stencils_[A].assign(stencil.begin(), stencil.end());
+    }
+}
+
 // What multipliers hold in time they hold for the whole of a step, wherever that leads.
-bool SharpGaps::sees(const double* X, int A) const {
-    if (held_[A].pair.number < 0) return false;
-    if (keeps_ && !static_) return held_[A].meets && meeting(X, A).sine > 0;
-    return pairs_.meets(X, held_[A].pair, -at_end, beside);
+bool SharpGaps::sees(const double* X, const Held& held) const {
+    if (held.pair.number < 0) return false;
+    if (keeps_ && !static_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
+    if (!static_ && !held.meets && !held.opens) return false;
+    return pairs_.meets(X, held.pair, -at_end, beside, held.meets && !static_);
 }
 
 void SharpGaps::values(const double* X, double* gap, double* area) {
     for (int A = 0; A < n_; ++A) {
         const bool near = sees(X, A);
         area[A] = near ? 1 : 0;
-        gap[A] = near ? meeting(X, A).distance : options_.depth;
+        gap[A] = near ? meeting(X, A).distance + (static_ ? 0 : held_.of(A).offset) : options_.depth;
     }
 }
 

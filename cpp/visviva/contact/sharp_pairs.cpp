@@ -102,13 +102,14 @@ double SharpPairs::inside(const double* X, long face, const Vector3& x, const Ve
 }
 
 bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond,
-                            double sine) const {
+                            double sine, bool stays) const {
     const double places[2] = {m.shares[1], -m.shares[3]};
     const auto v = stencil(pair.number);
     for (int side : {0, 1}) {
         const double from_end = std::min(places[side], 1 - places[side]);
         const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
-        if (from_end < -beyond || (beyond <= 0 && -m.distance > 2 * from_end * length)) return false;
+        if (from_end < -beyond) return false;
+        if (beyond <= 0 && !stays && -m.distance > 2 * from_end * length) return false;
     }
     return edge_looks(X, edge(pair.number, 0), -m.normal, sine) &&
            edge_looks(X, edge(pair.number, 1), m.normal, sine);
@@ -117,16 +118,18 @@ bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m,
 // What is nearer to the end of an edge, or to the border of a face, than half as deep leaves past that, and
 // by what touches there: so does the vertical edge of a box that has sunk a little into the one that it
 // stands on. Corners a little deep at a border stay: those of a box below one that stands flush on it.
-bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double sine) const {
+bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double sine, bool stays) const {
     const Meeting m = meeting(X, pair);
     if (m.sine < parallel || std::abs(m.distance) > depth_) return false;
-    if (pair.number < n_crossing()) return edges_meet(X, pair, m, beyond, sine);
+    if (pair.number < n_crossing()) return edges_meet(X, pair, m, beyond, sine, stays);
     const auto v = stencil(pair.number);
     const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
     const double in = inside(X, face(pair.number), foot, -m.normal);
-    const double size = (At(X + 3 * v[1]) - At(X + 3 * v[0])).norm();
+    double size = 0;
+    for (int k : {0, 1, 2})
+        size = std::max(size, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
     if (in < -std::max(beyond, at_border) * size) return false;
-    if (beyond <= 0 && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
+    if (beyond <= 0 && !stays && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
     return corner_looks(X, corner(pair.number), m.normal, sine);
 }
 

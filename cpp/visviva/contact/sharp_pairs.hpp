@@ -35,8 +35,9 @@ class SharpPairs {
     bool has_signs(long number) const { return number < n_crossing(); }
 
     /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
-    /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
-    bool meets(const double* X, const Pair& pair, double beyond, double sine) const;
+    /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine. What
+    /// `stays` met before: it came in there, and may be deeper than what is found in there.
+    bool meets(const double* X, const Pair& pair, double beyond, double sine, bool stays = false) const;
 
   private:
     long n_edges(int side) const {
@@ -62,7 +63,8 @@ class SharpPairs {
     bool edge_looks(const double* X, const int* edge, const Eigen::Vector3d& n, double sine) const;
     bool corner_looks(const double* X, long corner, const Eigen::Vector3d& n, double sine) const;
     double inside(const double* X, long face, const Eigen::Vector3d& x, const Eigen::Vector3d& n) const;
-    bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine) const;
+    bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine,
+                    bool stays) const;
 
     SharpParts parts_;
     double depth_;

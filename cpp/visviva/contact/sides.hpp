@@ -1,5 +1,6 @@
-// Side of the body to which a vertex inside belongs: that by which it came in, not the nearest.
-// Known for the start of the step, and kept for where a step may be looked at again.
+// What gaps remember from step to step, such as the side of the body to which a vertex inside belongs: that by
+// which it came in, not the nearest. Known for the start of the step, and kept for where a step may be looked
+// at again.
 #pragma once
 #include <cstddef>
 #include <utility>
@@ -7,27 +8,32 @@
 
 namespace visviva {
 
-class Sides {
-  public:
-    static constexpr int nearest = -1;  // of what is outside, or was not followed
+inline void write_side(std::vector<double>& m, int side) { m.push_back(side); }
+inline void read_side(const double*& m, int& side) { side = static_cast<int>(*m++); }
 
+/// Of every gap a `Side`, which write_side and read_side put into memory.
+template <class Side>
+class SidesOf {
+  public:
+    explicit SidesOf(Side unknown) : unknown_(unknown) {}
     void resize(int n) {
         n_ = n;
         for (Record* r : {&at_, &now_, &before_, &at_tangent_}) *r = fresh({});
     }
     /// The positions at the start of the step; empty: there was no step yet.
     const std::vector<double>& start() const { return at_.X; }
-    int of(int vertex) const { return at_.side[vertex]; }
+    const Side& of(int gap) const { return at_.side[gap]; }
+    const std::vector<Side>& all() const { return at_.side; }
 
     /// Makes X the start of the step; what is not known there yet follows from where the step began until
-    /// now, by find(vertex). True if sides have changed.
+    /// now, by find(sides). True if sides have changed.
     template <class F>
     bool settle(const std::vector<double>& X, F find) {
         if (X == at_.X) return false;
         for (const Record* r : {&now_, &before_, &at_tangent_})
             if (X == r->X) return take(*r);
         Record next = fresh(X);
-        for (int A = 0; A < n_; ++A) next.side[A] = find(A);
+        find(next.side);
         before_ = std::move(now_), now_ = next;
         return take(std::move(next));
     }
@@ -37,14 +43,14 @@ class Sides {
         for (const Record* r : {&now_, &at_tangent_}) {
             m.push_back(static_cast<double>(r->X.size()));
             m.insert(m.end(), r->X.begin(), r->X.end());
-            m.insert(m.end(), r->side.begin(), r->side.end());
+            for (const Side& side : r->side) write_side(m, side);
         }
     }
     void read(const double*& m) {
         for (Record* r : {&now_, &at_tangent_}) {
             const std::size_t size = static_cast<std::size_t>(*m++);
             *r = fresh({m, m + size}), m += size;
-            for (int& side : r->side) side = static_cast<int>(*m++);
+            for (Side& side : r->side) read_side(m, side);
         }
         at_ = now_;
     }
@@ -52,9 +58,9 @@ class Sides {
   private:
     struct Record {
         std::vector<double> X;
-        std::vector<int> side;
+        std::vector<Side> side;
     };
-    Record fresh(std::vector<double> X) const { return {std::move(X), std::vector<int>(n_, nearest)}; }
+    Record fresh(std::vector<double> X) const { return {std::move(X), std::vector<Side>(n_, unknown_)}; }
     bool take(Record next) {
         const bool changed = next.side != at_.side;
         at_ = std::move(next);
@@ -62,7 +68,15 @@ class Sides {
     }
 
     int n_ = 0;
+    Side unknown_;
     Record at_, now_, before_, at_tangent_;
+};
+
+/// Sides of vertices, by numbers of facets or of faces.
+class Sides : public SidesOf<int> {
+  public:
+    static constexpr int nearest = -1;  // of what is outside, or was not followed
+    Sides() : SidesOf(nearest) {}
 };
 
 }  // namespace visviva
