@@ -133,7 +133,7 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
         "'plate' has facets of up to 2.83, larger than all of RigidBody 'ball', .*; exchange first and second",
     ),
     "a cube between vertices": (
-        partial(ball_on_plate, vv.Box(size=(0.1, 0.1, 0.1)), enforcement="penalty"),
+        partial(ball_on_plate, vv.Box(size=(0.1, 0.1, 0.1)), second_faces="z0"),
         "exchange first and second, or give RigidBody 'plate' finer facets",
     ),
     "negative stiffness": (partial(pair, stiffness=-1.0), "stiffness = -1 is not positive"),

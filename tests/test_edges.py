@@ -374,6 +374,45 @@ def test_more_ridges_than_multipliers_hold_are_refused() -> None:
         vv.simulate(vv.System(parts), until=0.1, step=1e-3)
 
 
+def test_ridges_that_lie_apart_are_as_many_as_they_like() -> None:
+    """Places where nothing touches were counted: what crossed at more than 24 could not even fall."""
+    parts, upper = combs(5, 0.03)
+    system = vv.System(parts)
+    vv.simulate(system, until=0.05, step=1e-3)
+    assert vv.Velocity(of=upper)(system) == pytest.approx([0, 0, -G * 0.05], abs=1e-9)
+
+
+def hull(points: Any) -> vv.SurfaceMesh:
+    """The convex body of these points."""
+    from scipy.spatial import ConvexHull
+
+    places = np.array(points, dtype=float)
+    found = ConvexHull(places)
+    rows = [
+        row if np.cross(*(places[row[1:]] - places[row[0]])) @ plane[:3] > 0 else row[::-1]
+        for row, plane in zip(found.simplices, found.equations, strict=True)
+    ]
+    return vv.SurfaceMesh(points=points, triangles=[tuple(int(v) for v in row) for row in rows])
+
+
+def test_edges_that_are_found_inside_store_no_energy() -> None:
+    """An edge that slides past where it lay comes upon another one deep inside: a fifth of all energy came so."""
+    wedge = hull([(x, y, 0) for x in (-0.3, 0.3) for y in (-0.2, 0.2)] + [(-0.3, 0, 0.2), (0.3, 0, 0.2)])
+    pyramid = hull([(0.2, 0.2, 0), (-0.2, 0.2, 0), (-0.2, -0.2, 0), (0.2, -0.2, 0), (0, 0, 0.4)])
+    axis = np.array([1e-3, 2e-3, -1e-3])
+    first = vv.RigidBody(shape=pyramid, density=1.0)
+    second = vv.RigidBody(
+        shape=wedge,
+        density=1.0,
+        position=(0, -0.45, 0),
+        rotation=turned(axis, float(np.linalg.norm(axis))),
+        velocity=(0, 1, 0),
+    )
+    contact = vv.Contact(first=first, second=second, stiffness=50.0, enforcement="penalty")
+    result = vv.simulate(vv.System([first, second, contact]), until=0.07, step=2e-3)
+    result.assert_conserved("energy", tolerance=1e-10)
+
+
 def test_multipliers_that_rub_by_a_penalty_leave_edges_alone() -> None:
     """Pressures that several gaps share wander between them, and what sticks by springs of these would creep."""
     parts, *_ = bars(0.12, friction=0.3, tangential="penalty", tangential_stiffness=1e7)

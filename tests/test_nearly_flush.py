@@ -1,4 +1,4 @@
-"""Rigid bodies whose faces lie on each other nearly flush: at rest at their height, under their weight, at every turn."""
+"""Rigid bodies whose faces lie on each other nearly flush rest at their height under their weight, at every turn."""
 
 from __future__ import annotations
 
@@ -91,3 +91,39 @@ def test_a_box_nearly_as_large_rests(by: float, speed: float, ways: tuple[float,
 def test_bars_that_lie_nearly_along_each_other_rest(turn: float, width: float, exchanged: bool) -> None:
     bars = [(1.0, 0.05, 0.1), (1.0 - 1e-8, width, 0.1)]
     rests(*(bars[::-1] if exchanged else bars), turn, 0.002, 0, 2e-3)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_cube_rests_on_a_plate_in_both_orders(order: int) -> None:
+    """Corners of the cube are in a face of the plate whose vertices are far away: that was refused."""
+    plate = vv.RigidBody(shape=vv.Box(size=(2, 2, 0.05)), density=1e3, position=(0, 0, -0.025))
+    cube = vv.RigidBody(shape=vv.Box(size=(0.1,) * 3), density=1e3, position=(0.3, 0.2, 0.052))
+    ground, (first, second) = vv.Ground(), (plate, cube)[::order]
+    contact = vv.Contact(first=first, second=second, stiffness=1e7)
+    system = vv.System(
+        [ground, plate, cube, contact, vv.Rigid(a=ground, b=plate, at=(0, 0, 0)), vv.Gravity()]
+    )
+    vv.simulate(system, until=0.2, step=1e-3)
+    assert vv.Position(of=cube)(system) == pytest.approx([0.3, 0.2, 0.05], abs=3e-4)
+    assert abs(vv.ContactForce(contact=contact)(system)[2]) == pytest.approx(G, rel=1e-6)
+
+
+def on_solid(size: float, **options: Any) -> vv.System:
+    """A rigid plate that falls on a solid, by vertices of the plate."""
+    block = vv.Solid(
+        mesh=vv.BoxMesh(size=BOX, counts=(3, 3, 1), origin=(-0.15, -0.15, 0)),
+        material=vv.NeoHooke(young=1e7, poisson=0.3),
+        density=1e3,
+    )
+    plate = vv.RigidBody(shape=vv.Box(size=(size, size, 0.1)), density=1e3, position=(0, 0, 0.17))
+    contact = vv.Contact(first=plate, second=block, formulation="node-to-segment", **options)
+    return vv.System([block, plate, contact, vv.Fixed(solid=block, nodes="z0"), vv.Gravity()])
+
+
+@pytest.mark.parametrize("options", [{}, {"enforcement": "penalty"}])
+def test_a_plate_does_not_fall_through_a_solid_by_its_vertices(options: Any) -> None:
+    """All of the solid is between these: refused where the whole plate is larger, and else where it sinks."""
+    with pytest.raises(vv.InputError, match="larger than all of Solid 'solid-1', which falls between"):
+        on_solid(1.0, **options)
+    with pytest.raises(vv.StepFailure, match=r"sink into each other .* exchange first and second"):
+        vv.simulate(on_solid(0.302, **options), until=0.3, step=2e-3)

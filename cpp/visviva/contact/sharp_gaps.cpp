@@ -18,6 +18,7 @@ using Pair = SharpPairs::Pair;
 constexpr double at_end = 1e-9;  // part of an edge by which places at its ends are none of it: rounding
 constexpr double beside = 0.1;   // sine by which normals may lie beside those of a part: faces on each other
 constexpr double coming = 0.5;   // part of an edge beyond its ends, and sine, from where a step may come
+constexpr double close = 0.01;   // part of the depth that is seen, so near that what meets needs a gap
 constexpr double again = 0.35;   // of the reach: so far bodies may move until the next search
 
 /// What a gap holds in a step.
@@ -107,8 +108,8 @@ bool SharpGaps::search(const double* from, const double* to) {
 }
 
 // What was outside or touched where the last step began goes on by the side it came in. What comes to touch
-// from inside, as where an edge slides past the end of another one, is held there: by penalty its force begins
-// from zero, and what it has is never more than what it has been given.
+// from inside, as where an edge slides past the end of another one, is held there: by penalty its force
+// begins from zero, and what it has is never more than what it has been given.
 SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) const {
     const auto& held = held_.all();
     const auto before = std::find_if(held.begin(), held.end(), [&](const Held& h) { return h.pair == pair; });
@@ -140,7 +141,7 @@ void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
 std::vector<Held> SharpGaps::hold(const double* X) {
     std::vector<Candidate> found;
     find(X, found);
-    const auto meets = [](const Candidate& c) { return c.held.meets; };
+    const auto meets = [&](const Candidate& c) { return c.held.meets && c.gap < close * options_.depth; };
     unheld_ = std::max(0, static_cast<int>(std::count_if(found.begin(), found.end(), meets)) - n_);
     if (static_cast<int>(found.size()) > n_) found.resize(n_);
     std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {

@@ -101,8 +101,8 @@ double SharpPairs::inside(const double* X, long face, const Vector3& x, const Ve
     return around > M_PI ? least : -least;
 }
 
-bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond,
-                            double sine, bool stays) const {
+bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond, double sine,
+                            bool stays) const {
     const double places[2] = {m.shares[1], -m.shares[3]};
     const auto v = stencil(pair.number);
     for (int side : {0, 1}) {
@@ -126,8 +126,7 @@ bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double 
     const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
     const double in = inside(X, face(pair.number), foot, -m.normal);
     double size = 0;
-    for (int k : {0, 1, 2})
-        size = std::max(size, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
+    for (int k : {0, 1, 2}) size = std::max(size, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
     if (in < -std::max(beyond, at_border) * size) return false;
     if (beyond <= 0 && !stays && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
     return corner_looks(X, corner(pair.number), m.normal, sine);

@@ -35,8 +35,8 @@ class SharpPairs {
     bool has_signs(long number) const { return number < n_crossing(); }
 
     /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
-    /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine. What
-    /// `stays` met before: it came in there, and may be deeper than what is found in there.
+    /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
+    /// What `stays` met before: it came in there, and may be deeper than what is found in there.
     bool meets(const double* X, const Pair& pair, double beyond, double sine, bool stays = false) const;
 
   private:

@@ -1,6 +1,6 @@
-// What gaps remember from step to step, such as the side of the body to which a vertex inside belongs: that by
-// which it came in, not the nearest. Known for the start of the step, and kept for where a step may be looked
-// at again.
+// What gaps remember from step to step, such as the side of the body to which a vertex inside belongs: that
+// by which it came in, not the nearest. Known for the start of the step, and kept for where a step may be
+// looked at again.
 #pragma once
 #include <cstddef>
 #include <utility>

@@ -123,6 +123,11 @@ class Edges:
             forces[:n] += (self.term.forces + self.term.friction_forces).reshape(-1, 3)[:n]
 
     @property
+    def feels_all(self) -> bool:
+        """Whether every vertex of the second body is a corner, and nothing of it falls between those of the first."""
+        return len(self._parts[1].corners) == len(self._sides[1].forms)
+
+    @property
     def depths(self) -> Array:
         """By how much edges are in each other (n,) at the end of the last step."""
         return np.where(self.term.areas > 0, np.maximum(-self.term.gaps, 0.0), 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from visviva import _core
 from visviva.body.rigid import RigidBody
+from visviva.body.solid import Solid
 from visviva.contact.contact_surface import Surface, of_vectors, skin, surface_of
 from visviva.contact.obstacle import Obstacle
 
@@ -20,6 +21,7 @@ UNSEEN = 0.01
 THINNEST = 0.01
 """Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
 
+Second = RigidBody | Obstacle | Solid
 Pairing = tuple[RigidBody, RigidBody | Obstacle]
 
 
@@ -35,14 +37,25 @@ def watched(contact: Contact) -> Pairing | None:
     return (first, second) if isinstance(second, Obstacle) else None
 
 
+def _on_solid(contact: Contact) -> tuple[RigidBody, Solid] | None:
+    """A rigid body of which vertices alone touch a solid, whose edges and corners may pass between them."""
+    first, second = contact.first, contact.second
+    if not isinstance(first, RigidBody) or not isinstance(second, Solid) or contact.is_mortar:
+        return None
+    feelers = first.feelers()
+    corners = feelers is not None and feelers[1] == 0 and first.shape is not None
+    return (first, second) if corners and second.grid.dimension == 3 else None
+
+
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
     """Let steps fail in which the bodies of a contact sink into each other unseen."""
-    pairing = watched(contact)
+    pairing = watched(contact) or _on_solid(contact)
     if pairing is None:
         return
     first, second = pairing
     _, radius = first.feelers() or ((), 0.0)
-    if isinstance(second, RigidBody) and not contact.is_mortar and radius == 0:
+    feels_all = contact._edges is not None and contact._edges.feels_all
+    if not isinstance(second, Obstacle) and not contact.is_mortar and radius == 0 and not feels_all:
         own = surface_of(first, contact.first_faces, contact.label)
         other = surface_of(second, contact.second_faces, contact.label)
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
@@ -65,9 +78,9 @@ def narrowest(surface: Surface) -> float:
     return min(float(thick[order[min(most, len(order) - 1)]]), across) if len(order) else across
 
 
-def whole_surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
+def whole_surface(contact: Contact, body: Second) -> Surface:
     """The whole surface of a side, as facets."""
-    if isinstance(body, RigidBody):
+    if not isinstance(body, Obstacle):
         return surface_of(body, "all", contact.label)
     points, facets = body.shape.facets()
     _, frame = body.outline()
@@ -80,8 +93,13 @@ def whole_surface(contact: Contact, body: RigidBody | Obstacle) -> Surface:
     return of_vectors(places, facets, points)
 
 
-def _cure(contact: Contact, pairing: Pairing) -> str:
+def _cure(contact: Contact, pairing: tuple[RigidBody, Second]) -> str:
     first, second = (body.label for body in pairing)
+    if isinstance(pairing[1], Solid):
+        return (
+            f"vertices of {first} alone touch {second}: exchange first and second, or take formulation='mortar' where "
+            "faces lie on each other"
+        )
     if contact.is_mortar:
         return (
             f"mortar gaps are means over facets, which edges and corners of {first} pass by where it lies tilted: take "
