@@ -48,7 +48,8 @@ bottom
 *SET_NODE_LIST_GENERATE
 {columns([(5,), (1, 4, 11, 90)], 10)}
 *SET_SEGMENT
-{columns([(2,), (9, 10, 12, 11), (1, 5, 8, 4)], 10)}
+{columns([(2,), (9, 10, 12, 11)], 10)}{4 * "       0.0"}
+{columns([(1, 5, 8, 4)], 10)}
 *SET_PART_LIST
 {columns([(4,), (3, 7)], 10)}
 *SET_SOLID_TITLE
@@ -167,6 +168,10 @@ def test_included_files(tmp_path: Path) -> None:
     (tmp_path / "nodes.inc").write_text(nodes_of(TWO) + "\n")
     text = deck("*INCLUDE\nnodes.inc", "*ELEMENT_SOLID\n" + columns(BRICKS, 8))
     assert built(tmp_path, text).n_cells == 2
+    marked = "\ufeff*ELEMENT_SOLID\n" + columns(BRICKS, 10)  # its width is that of the first file
+    (tmp_path / "bricks.inc").write_text(marked, encoding="utf-8")
+    wide = deck(nodes_of(TWO, 10), "*INCLUDE\nbricks.inc", head="*KEYWORD I10=Y")
+    assert built(tmp_path, wide).n_cells == 2
     inner = tmp_path / "inner"
     inner.mkdir()
     with pytest.raises(vv.InputError, match="outside the scene's folder"):
@@ -207,8 +212,10 @@ def test_included_files(tmp_path: Path) -> None:
         ("*SET_SOLID\n1\n99", "set 'elements1' has 99"),
         ("*NODE\n&n,0,0,0", "invalid literal"),
         ("*INCLUDE\nnowhere.k", "includes what does not exist"),
+        ("*INCLUDE\nbare.inc", "bare.inc: '1,0,0,0' stands before the first keyword"),
     ],
 )
 def test_bad_files(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "bare.inc").write_text("$ nodes\n1,0,0,0\n")
     with pytest.raises(vv.InputError, match=message):
         built(tmp_path, deck(nodes_of(TWO), "*ELEMENT_SOLID\n" + columns(BRICKS, 8), text))

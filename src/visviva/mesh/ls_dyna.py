@@ -32,9 +32,9 @@ class Card:
     lines: list[str] = field(default_factory=list)
     width: int = 8
 
-    def numbers(self, line: str, width: int = 0) -> list[int]:
-        """Whole numbers of a line, by columns or by commas; none are zeros."""
-        return [int(word) if word else 0 for word in split(line, [max(self.width, width)] * 10)]
+    def numbers(self, line: str, width: int = 0, most: int = 10) -> list[int]:
+        """The first whole numbers of a line, by columns or by commas; none are zeros."""
+        return [int(word) if word else 0 for word in split(line, [max(self.width, width)] * 10)[:most]]
 
     def first(self, line: str) -> int:
         """The whole number that a line begins with, whatever follows."""
@@ -58,14 +58,14 @@ def split(line: str, widths: list[int]) -> list[str]:
     return words
 
 
-def cards(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Card]:
-    """Keywords of a file in order, in capitals; included files are entered."""
-    now, width = Card(""), 8
-    with path.open(encoding="utf-8", errors="replace") as file:
+def cards(path: Path, within: Path | None = None, depth: int = 0, width: int = 8) -> Iterator[Card]:
+    """Keywords of a file in order, in capitals; included files are entered, with columns as wide as there."""
+    now = Card("")
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
         for raw in file:
             line = raw.rstrip()
             if line.startswith("*"):
-                yield from _entered(now, path, within, depth)
+                yield from _entered(now, path, within, depth, width)
                 keyword = line[1:].upper().strip()
                 if keyword == "END":
                     return
@@ -75,7 +75,7 @@ def cards(path: Path, within: Path | None = None, depth: int = 0) -> Iterator[Ca
                 now = Card(keyword.rstrip("+-%").strip(), [], own)
             elif (line or titled(now)) and not line.startswith("$"):
                 now.lines.append(line)
-    yield from _entered(now, path, within, depth)
+    yield from _entered(now, path, within, depth, width)
 
 
 def titled(card: Card) -> bool:
@@ -84,12 +84,15 @@ def titled(card: Card) -> bool:
     return of_parts or (card.keyword.endswith("_TITLE") and not card.lines)
 
 
-def _entered(card: Card, path: Path, within: Path | None, depth: int) -> Iterator[Card]:
+def _entered(card: Card, path: Path, within: Path | None, depth: int, width: int) -> Iterator[Card]:
+    if not card.keyword and card.lines:
+        raise InputError(f"{path.name}: {card.lines[0][:40]!r} stands before the first keyword")
     if card.keyword != "INCLUDE":
         yield card
         return
     for line in card.lines:
-        yield from cards(included(path.parent / line.strip(), path, within, depth + 1), within, depth + 1)
+        file = included(path.parent / line.strip(), path, within, depth + 1)
+        yield from cards(file, within, depth + 1, width)
 
 
 class Reader:
@@ -197,7 +200,7 @@ class Reader:
         number = card.first(next(lines, ""))
         kind = kind.removesuffix("_TITLE")
         if kind == "SET_SEGMENT":
-            rows = [card.numbers(line, 10)[:4] for line in lines]
+            rows = [card.numbers(line, 10, most=4) for line in lines]  # attributes follow, real numbers
             self.segments.append((title or f"segments{number}", rows))
             return
         kind, way = next(((kind.removesuffix(w), w) for w in WAYS if kind.endswith(w)), (kind, ""))
