@@ -103,3 +103,35 @@ def test_flush_boxes_in_each_other_are_refused(place: tuple[float, ...], given: 
 def test_boxes_that_touch_start(place: tuple[float, ...]) -> None:
     boxes = [vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), mass=1.0, position=p) for p in ((0, 0, 0), place)]
     started(*boxes, stiffness=1e5)
+
+
+ACROSS = {
+    "rod through plate": ((1, 1, 0.02), (0.05, 0.05, 1), (-0.2, 0.2, 0.3), 0.01),
+    "bars": ((1, 0.1, 0.1), (0.1, 1, 0.1), (-0.2, 0.3, 0.04), 0.04),
+    "plates": ((1, 1, 0.02), (1, 0.02, 1), (0.3, -0.2, 0.3), 0.01),
+}
+
+
+@pytest.mark.parametrize("name", ACROSS)
+@pytest.mark.parametrize(
+    "given", [{}, {"enforcement": "penalty"}, {"initial": "press"}], ids=["multipliers", "penalty", "press"]
+)
+def test_boxes_through_each_other_are_refused(name: str, given: dict[str, str]) -> None:
+    """No vertex of one is in the other, nor a middle of a facet: no force acted. Edges lie in it by a known depth."""
+    *sizes, place, depth = ACROSS[name]
+    held, through = (
+        vv.RigidBody(shape=vv.Box(size=size), density=1e3, position=p)
+        for size, p in zip(sizes, ((0, 0, 0), place), strict=True)
+    )
+    with pytest.raises(vv.InputError, match=rf"overlap by {depth:.3g} near"):
+        started(through, held, stiffness=1e6, **given)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-9, -1e-9])
+def test_boxes_across_each_other_that_touch_start(off: float) -> None:
+    """By faces that cross, with no vertex of one in the face of the other."""
+    bars = [
+        vv.RigidBody(shape=vv.Box(size=size), density=1e3, position=p)
+        for size, p in (((1, 0.1, 0.1), (0, 0, 0)), ((0.1, 1, 0.1), (-0.2, 0.3, 0.1 + off)))
+    ]
+    started(*bars, stiffness=1e6)

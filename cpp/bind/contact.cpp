@@ -242,6 +242,14 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
             },
             nb::arg("skin"), nb::arg("limit"), nb::arg("least"), nb::arg("cure"))
         .def(
+            "overlap",
+            [](const ContactTerm& t, const Doubles& q) {
+                const Piercing::Piece piece = t.overlap(q.data());
+                const Eigen::Vector3d& x = piece.place;
+                return std::make_pair(piece.depth, std::vector<double>{x[0], x[1], x[2]});
+            },
+            nb::arg("q"))
+        .def(
             "stand_beside",
             [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },
             nb::arg("other"))

@@ -90,6 +90,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
     /// Steps in which two rigid bodies sink into each other beside their gaps fail from now on.
     void watch(Piercing piercing) { piercing_ = std::move(piercing); }
+    /// The deepest piece of an edge of one of these bodies that lies in the other one; none of others.
+    Piercing::Piece overlap(const double* q) const {
+        return piercing_ ? piercing_->overlap(q) : Piercing::Piece();
+    }
     /// How deep gaps are closed in the last step.
     double deepest() const;
     /// Another contact of the same bodies, whose gaps see what the watch need not.

@@ -172,6 +172,17 @@ bool Piercing::outruns(const double* q0, const double* q1) const {
     return parts_of(X0, X1) > most_parts;
 }
 
+Piercing::Piece Piercing::overlap(const double* q) const {
+    std::vector<double> X;
+    skin_.positions(q, X);
+    Piece found;
+    if (parts_of(X, X) == 0) return found;
+    each_part(X, [&](const Part& part, double, const Vector3& place) {
+        if (part.depth > std::max(limit_, found.depth)) found = {part.depth, place};
+    });
+    return found;
+}
+
 Piercing::Piece Piercing::deepest(const std::vector<double>& X) const {
     Piece found;
     each_part(X, [&](const Part& part, double length, const Vector3& place) {

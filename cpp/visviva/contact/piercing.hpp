@@ -22,6 +22,9 @@ class Piercing {
         Eigen::Vector3d place = Eigen::Vector3d::Zero();
     };
 
+    /// The deepest piece in one configuration, whatever bodies were given, if it is deeper than `limit`.
+    Piece overlap(const double* q) const;
+
     /// Whether bodies pass by more of their least width in a step than is looked at.
     bool outruns(const double* q0, const double* q1) const;
 

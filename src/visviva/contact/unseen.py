@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,10 +50,22 @@ def refuse_unseen(contact: Contact, reach: float, x: Array) -> None:
 def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
     """Refuse rigid bodies that lie in each other, at `x`, deeper than `seen`, the depth that their gaps have.
 
-    Vertices and edges that lie on the sides of the other body, as of boxes that are flush, are not in it.
+    Vertices and edges that lie on the sides of the other body, as of boxes that are flush, are not in it. Edges that
+    pass through the other one, as of a rod through a plate, with no vertex and no facet's middle in it, count from the
+    depth on that steps may not sink by unseen. Those of faces that are named may do so on purpose, as at a hinge.
     """
     pairing = watched(contact)
-    if pairing is None or contact.is_mortar or not isinstance(pairing[1], RigidBody):
+    if pairing is None:
+        return
+    if (contact.first_faces, contact.second_faces) == ("all", "all"):
+        depth, place = contact.term.overlap(x)
+        if depth > 0:
+            told = _told(contact, contact.first.label, pairing[1].label, depth, place)
+            raise InputError(
+                f"{told}, where edges of one pass through the other, which no gap sees, so that nothing would hold "
+                "them apart; move one of them, or name first_faces and second_faces where they overlap on purpose"
+            )
+    if contact.is_mortar or not isinstance(pairing[1], RigidBody):
         return
     for _, told in _overlaps(contact, pairing[1], seen, x):
         raise InputError(
@@ -62,15 +74,18 @@ def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
         )
 
 
+def _told(contact: Contact, own: str, other: str, depth: float, place: Iterable[float]) -> str:
+    near = ", ".join(f"{c:.4g}" for c in place)
+    return f"{contact.label}: {own} and {other} overlap by {depth:.3g} near ({near}) at the start"
+
+
 def _overlaps(contact: Contact, second: Attachable, reach: float, x: Array) -> Iterator[tuple[float, str]]:
     """Unseen depths of either body in the other one, and the words that tell of each."""
     sides: list[Side] = [(contact.first, contact.first_faces), (second, contact.second_faces)]
     for own, other in (sides, sides[::-1]):
         depth, place = deepest(own, other, contact.label, reach, x)
         if depth > 0:
-            near = ", ".join(f"{c:.4g}" for c in place)
-            bodies = f"{own[0].label} and {other[0].label}"
-            yield depth, f"{contact.label}: {bodies} overlap by {depth:.3g} near ({near}) at the start"
+            yield depth, _told(contact, own[0].label, other[0].label, depth, place)
 
 
 def deepest(own: Side, other: Side, label: str, reach: float, x: Array) -> tuple[float, Array]:
