@@ -135,3 +135,19 @@ def test_boxes_across_each_other_that_touch_start(off: float) -> None:
         for size, p in (((1, 0.1, 0.1), (0, 0, 0)), ((0.1, 1, 0.1), (-0.2, 0.3, 0.1 + off)))
     ]
     started(*bars, stiffness=1e6)
+
+
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize(
+    ("sizes", "away"),
+    [((0.3, 0.4), (-7.4, 0, -0.4 * np.sqrt(0.5))), ((0.7, 1), (2.6, 0, 0.175 - np.sqrt(0.5)))],
+)
+def test_boxes_far_apart_start(sizes: tuple[float, ...], away: tuple[float, ...], exchanged: bool) -> None:
+    """One stands on its edge, level with where facets of the other one were looked from."""
+    c, s = np.cos(np.pi / 4), np.sin(np.pi / 4)
+    on_edge = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
+    bodies = [
+        vv.RigidBody(shape=vv.Box(size=(size,) * 3), density=1.0, position=place, rotation=rotation)
+        for size, place, rotation in zip(sizes, ((0, 0, 0), away), (np.eye(3), on_edge), strict=True)
+    ]
+    started(*(bodies[::-1] if exchanged else bodies), stiffness=1e3)

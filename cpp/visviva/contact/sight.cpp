@@ -1,5 +1,6 @@
 #include "visviva/contact/sight.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -139,12 +140,17 @@ std::vector<double> find_unseen(int dim, const Side& own, const Side& other, con
                                 double reach) {
     const Rays mine(dim, own.X, own.facets), rays(dim, other.X, other.facets);
     std::vector<double> depths(mine.n(), 0.0);
+    Eigen::AlignedBox3d bounds;
+    for (std::size_t i = 0; i < other.X.size(); i += 3) bounds.extend(Vector3(Vector3::Map(&other.X[i])));
     parallel_for(mine.n(), [&](int f) {
         each_sample(mine.shape(f), [&](const Vector3& x, const Vector3& n) {
+            if (!bounds.contains(x)) return;
             const Rays::Hit out = rays.first(-1, x, -n, true);
             if (out.facet < 0 || !touched[out.facet]) return;
             const double seen = std::min(reach, deepest(own.behind[f], other.behind[out.facet]));
-            if (out.distance <= seen || rays.first(-1, x, -n, false).distance <= out.distance) return;
+            // a ray that grazes an edge goes in where it goes out
+            const double in = rays.first(-1, x, -n, false).distance;
+            if (out.distance <= seen || in <= (1 + slack) * out.distance) return;
             if (!rays.near(x, n, seen, [&](int g) { return touched[g]; }))
                 depths[f] = std::max(depths[f], out.distance);
         });
