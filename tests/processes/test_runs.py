@@ -56,16 +56,41 @@ def test_a_run_goes_on_with_another_number_of_processes(alone: Path, tmp_path: P
     assert differences(alone, tmp_path / "run") < 1e-12
 
 
-TORI = ("-m", "visviva", "run", "tori", "--set", "mesh=coarse", "--step", "0.08", "--no-pictures")
+TORI = """
+import sys
+from visviva.examples.tori import study
+import visviva as vv
+
+vv.run(study("coarse", until=float(sys.argv[2]), step=0.08), sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
+"""
+"""They touch at t = 1.02; what contact remembers is in the files."""
+CAVITY = """
+import sys
+import visviva as vv
+
+water = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(6, 6)), density=1.0, viscosity=0.01, name="water")
+lid = vv.VelocityBoundary(fluid=water, faces="y1", velocity=("t", 0, 0))
+walls = [vv.NoSlip(fluid=water, faces=side) for side in ("x0", "x1", "y0")]
+probes = {"centre": vv.FlowField(fluid=water, at=(0.5, 0.5, 0)), "force": vv.FlowForce(fluid=water, faces="y1")}
+study = vv.Study(vv.System([water, lid, *walls]), float(sys.argv[2]), 0.25, probes=probes, title="cavity")
+vv.run(study, sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
+"""
 
 
-def test_an_impact_goes_on_with_another_number_of_processes(tmp_path: Path) -> None:
-    """The tori touch at t = 1.02; what contact remembers is in the files."""
-    for n, run, until in ((0, "alone", 1.6), (2, "run", 1.12), (0, "run", 1.36), (2, "run", 1.6)):
-        more = ("--resume",) if (tmp_path / run).exists() else ()
-        done = launched(n, *TORI, "--until", str(until), "--out", str(tmp_path / run), *more)
+@pytest.mark.parametrize(
+    ("script", "probe", "untils"),
+    [(TORI, "active_gaps", (1.12, 1.36, 1.6)), (CAVITY, "force_x", (0.5, 1.0, 1.5))],
+    ids=["tori", "cavity"],
+)
+def test_contact_and_flow_go_on_with_another_number_of_processes(
+    script: str, probe: str, untils: tuple[float, ...], tmp_path: Path
+) -> None:
+    (tmp_path / "script.py").write_text(script)
+    for n, name, until in ((0, "alone", untils[2]), *zip((2, 0, 2), ("run",) * 3, untils, strict=True)):
+        more = ("resume",) if (tmp_path / name).exists() else ()
+        done = launched(n, str(tmp_path / "script.py"), str(tmp_path / name), str(until), *more)
         assert done.returncode == 0, done.stderr
-    assert read_table(tmp_path / "run" / "probes.csv")["active_gaps"].max() > 4
+    assert np.abs(read_table(tmp_path / "run" / "probes.csv")[probe]).max() > 1e-3
     assert differences(tmp_path / "alone", tmp_path / "run") < 1e-11
 
 
@@ -75,11 +100,16 @@ def test_what_all_processes_refuse_is_told_once() -> None:
     assert done.stderr.count("counts") == 1
 
 
-def test_what_several_processes_cannot_compute_is_refused_by_name(tmp_path: Path) -> None:
-    done = launched(2, "-m", "visviva", "run", "cylinder", "--out", str(tmp_path / "run"))
-    assert done.returncode == 2
-    assert done.stderr.count("which several processes cannot compute yet") == 1
-    assert not (tmp_path / "run").exists()
+def test_solvers_of_one_process_are_refused_in_several(tmp_path: Path) -> None:
+    (tmp_path / "direct.py").write_text(
+        "import visviva as vv\nvv.System([vv.PointMass(mass=1.0)], newton=vv.Newton(linear=vv.Direct()))\n"
+    )
+    done = launched(2, str(tmp_path / "direct.py"))
+    assert done.returncode != 0
+    assert (
+        done.stderr.count("Newton(linear=Direct(...)) solves in one process, and there are 2; leave it out")
+        == 1
+    )
 
 
 KEPT = """

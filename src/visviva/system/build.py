@@ -13,7 +13,6 @@ from visviva.base.world import world
 from visviva.component.announcements import SharedOut
 from visviva.model.field import Role
 from visviva.model.stencil import inertia_terms, strain_terms
-from visviva.system.shared import refuse_unshared
 
 if TYPE_CHECKING:
     from visviva.model.driving import Driving
@@ -34,7 +33,6 @@ def build_core(system: System) -> _core.System:
     held = supplied(model)
     core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
     if world().size > 1:
-        refuse_unshared(system)
         core.set_processes(world().of_core())
     shared = {id(s.term) for c in system.components for s in model.announced(c, SharedOut)}
     for term in terms:

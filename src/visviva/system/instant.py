@@ -82,6 +82,7 @@ class Instant:
 
     def __init__(self, system: System) -> None:
         self.system = system
+        system.core.find_neighbours()  # several processes have equations for what is coupled alone
         unknown = system.free_unknowns
         is_multiplier = np.zeros(len(system.x), dtype=bool)
         for f in system.model.fields:

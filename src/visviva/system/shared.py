@@ -1,4 +1,4 @@
-"""A system that several processes share: what they do not serve, and matrices that all of them need as a whole."""
+"""A system that several processes share: solvers they do not serve, and matrices that all of them need as a whole."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.base.world import world
-from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.linear.choice import LinearOptions
@@ -17,36 +16,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Rows = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
-
-SERVED = (
-    Role.MOTION,
-    Role.STATE,
-    Role.MULTIPLIER,
-    Role.CONTACT_PRESSURE,
-    Role.SOLID_PRESSURE,
-    Role.CONTENT,
-    Role.TEMPERATURE,
-    Role.POTENTIAL,
-)
-"""Roles of the fields of systems that processes can share."""
-
-
-def refuse_unshared(system: System) -> None:
-    """Refuse what only one process can compute so far.
-
-    Raises
-    ------
-    InputError
-        With the component.
-    """
-    model = system.model
-    asked = {id(f.component): f"has a {f.name} of its own" for f in model.fields if f.role not in SERVED}
-    for component in system.components:
-        if id(component) in asked:
-            raise InputError(
-                f"{component.label} {asked[id(component)]}, which several processes cannot compute yet; run it by one: "
-                "without mpirun"
-            )
 
 
 def refuse_unshared_solver(options: LinearOptions | None, null_space: bool | None) -> LinearOptions | None:
