@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,10 @@ from numpy.typing import NDArray
 
 import visviva as vv
 from visviva.examples import branching, surfing
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import notched_plate
+import three_point_bending
 
 Array = NDArray[np.float64]
 
@@ -206,3 +212,12 @@ def test_a_crack_branches_when_and_as_fast_as_it_does_with_others() -> None:
     """Borden et al. (2012): at 34 to 46 us, slower than 0.6 of Rayleigh's waves; here on coarse cells."""
     study = branching.study(until=50e-6)
     branching.check(vv.simulate(study.system, until=study.until, step=study.step))
+
+
+def test_plate_and_beam_are_as_stiff_as_in_published_curves_before_they_crack() -> None:
+    """Slopes of the digitised curves of Miehe et al. (2010): which supports they had decides by a third."""
+    shear, beam = notched_plate.model(0.01, True, "none"), three_point_bending.beam(0.025, 0.1, 0.25)
+    for system, side, axis, share, slope in ((shear, "y1", 0, 1, 63.0), (beam, "stand", 1, 2, 0.965)):
+        vv.quasi_static(system, until=1e-5, step=1e-5, scheme=vv.Static())
+        force = np.asarray(vv.SupportForce(solid=system.components[0], nodes=side)(system))
+        assert share * abs(force[axis]) / 1e-5 == pytest.approx(slope, rel=0.03)
