@@ -87,7 +87,7 @@ struct Capacity {
     __attribute__((noinline)) V sought(V theta, V more) const {
         V low = broadcast(-700.0), high = broadcast(700.0), y = more / at(theta - zero);
         for (int k = 0; k < 200; ++k) {
-            y = select((y > low) & (y < high), y, 0.5 * (low + high));
+            y = select((y < low) | (y > high), 0.5 * (low + high), y);  // at an end where it has been found
             const V change = theta * expm1(y), off = entropy(theta, change) - more;
             low = select(off < 0.0, y, low), high = select(off > 0.0, y, high);
             const V here = at(theta + change - zero), step = off / here,

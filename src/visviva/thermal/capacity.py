@@ -87,7 +87,7 @@ class Capacity:
         y = H / self.c
         low, high = np.full_like(y, -700.0), np.full_like(y, 700.0)
         for _ in range(0 if self.is_constant else 200):
-            y = np.where((y > low) & (y < high), y, 0.5 * (low + high))
+            y = np.where((y < low) | (y > high), 0.5 * (low + high), y)  # at an end where it has been found
             T = self.zero * np.exp(y)
             off, c = self.entropy(T) - H, self.at(T)
             low, high = np.where(off < 0, y, low), np.where(off > 0, y, high)
