@@ -1,6 +1,7 @@
 // Heat capacities that depend on the temperature: entropy and heat content of them, and back.
 #pragma once
 #include "visviva/base/jet.hpp"
+#include "visviva/material/wrapped.hpp"
 
 namespace visviva::VISVIVA_ISA {
 
@@ -86,17 +87,17 @@ struct Capacity {
     /// theta, within what is known to hold it.
     __attribute__((noinline)) V sought(V theta, V more) const {
         V low = broadcast(-700.0), high = broadcast(700.0), y = more / at(theta - zero);
-        for (int k = 0; k < 200; ++k) {
-            y = select((y < low) | (y > high), 0.5 * (low + high), y);  // at an end where it has been found
+        VI moving =
+            vabs(y) >= 0.0;  // lanes that are not yet found; others rest, maybe at an end of what holds them
+        for (int k = 0; k < 200 && any(moving); ++k) {
+            y = select(moving & ((y <= low) | (y >= high)), 0.5 * (low + high), y);
             const V change = theta * expm1(y), off = entropy(theta, change) - more;
             low = select(off < 0.0, y, low), high = select(off > 0.0, y, high);
             const V here = at(theta + change - zero), step = off / here,
-                    tiny = 4e-16 * (vabs(y) + vabs(more) / here);
-            y -= select(step > 1.0, broadcast(1.0), select(step < -1.0, broadcast(-1.0), step));
-            bool small = true;
-            for (int l = 0; l < W; ++l)
-                small = small && (!(vabs(step)[l] > tiny[l]) || !(high[l] - low[l] > tiny[l]));
-            if (small) break;
+                    tiny = 4e-16 * (vabs(y) + vabs(more) / here),
+                    within = select(step > 1.0, broadcast(1.0), select(step < -1.0, broadcast(-1.0), step));
+            y -= select(moving, within, V{});
+            moving &= (vabs(step) > tiny) & (high - low > tiny);
         }
         return theta * expm1(y);
     }

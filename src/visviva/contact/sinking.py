@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 UNSEEN = 0.01
 """Part of the least width of both bodies by which edges may be in the other one deeper than twice what gaps see."""
 
+FLEXIBLE = 40
+"""How many times as deep solids are watched: vertices that slide over edges of theirs within a step sink that far."""
 THINNEST = 0.01
 """Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
 
@@ -61,7 +63,8 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = whole_surface(contact, first), whole_surface(contact, second)
     least = min(narrowest(side) for side in sides)
-    term.watch(skin(*sides, sees=False), UNSEEN * least, least, _cure(contact, pairing))
+    unseen = UNSEEN * least * (FLEXIBLE if isinstance(second, Solid) else 1)
+    term.watch(skin(*sides, sees=False), unseen, least, _cure(contact, pairing))
 
 
 def rubs_by_springs(contact: Contact) -> bool:

@@ -86,16 +86,17 @@ class Capacity:
         """Temperatures (n,) at entropies (n,), by Newton's method within what is known to hold them."""
         y = H / self.c
         low, high = np.full_like(y, -700.0), np.full_like(y, 700.0)
-        for _ in range(0 if self.is_constant else 200):
-            y = np.where((y < low) | (y > high), 0.5 * (low + high), y)  # at an end where it has been found
+        moving = np.full(y.shape, not self.is_constant)
+        for _ in range(200):
+            if not moving.any():
+                break
+            y = np.where(moving & ((y <= low) | (y >= high)), 0.5 * (low + high), y)
             T = self.zero * np.exp(y)
             off, c = self.entropy(T) - H, self.at(T)
             low, high = np.where(off < 0, y, low), np.where(off > 0, y, high)
-            step = np.clip(off / c, -1, 1)
-            y = y - step
-            tiny = 1e-15 * (np.abs(y) + np.abs(H) / c)
-            if not np.any((np.abs(step) > tiny) & (high - low > tiny)):
-                break
+            step, tiny = off / c, 1e-15 * (np.abs(y) + np.abs(H) / c)
+            y = y - np.where(moving, np.clip(step, -1, 1), 0.0)
+            moving = moving & (np.abs(step) > tiny) & (high - low > tiny)
         return np.asarray(self.zero * np.exp(y))
 
 
