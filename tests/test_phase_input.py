@@ -205,3 +205,19 @@ def test_what_excludes_each_other_fills_one_volume() -> None:
         vv.InputError, match=r"'grain 1' has thickness = 1, AllenCahn 'grain 2' 2: .*give both"
     ):
         vv.Exclusion(bodies=grains, strength=1.5)
+
+
+def test_what_excludes_each_other_is_periodic_alike() -> None:
+    """Nodes of one were taken for those of the other, by the order of the bodies."""
+    grains = [
+        vv.AllenCahn(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4)),
+            free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, -0.5, 0.0, 0.25)),
+            gradient_energy=0.5,
+            order=0.5,
+            periodic=[sides],
+        )
+        for sides in (("x0", "x1"), ("y0", "y1"))
+    ]
+    with pytest.raises(vv.InputError, match="not on the same mesh, with the same periodic sides"):
+        vv.Exclusion(bodies=grains, strength=1.0)

@@ -99,3 +99,10 @@ def test_a_restarted_history_goes_on_to_the_bit(tmp_path: Path) -> None:
     run(split, tmp_path / "split", pictures=False, resume=True)
     assert whole.system.x.tobytes() == split.system.x.tobytes()
     assert whole.system.core.histories().tobytes() == split.system.core.histories().tobytes()
+
+
+@pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.VariationalMidpoint()])
+def test_schemes_that_balance_in_the_middle_are_refused(scheme: vv.Scheme) -> None:
+    """Damages swung about their history, to 1.7 and back to .1, without a word."""
+    with pytest.raises(vv.InputError, match="irreversibility = 'history' follows damages at ends of steps"):
+        vv.simulate(vv.System([breaking(irreversibility="history")]), until=0.1, step=0.01, scheme=scheme)

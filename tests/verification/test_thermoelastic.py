@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import visviva as vv
+from visviva.thermal.capacity import capacity_of
 
 RUBBER = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
 HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
@@ -475,3 +476,37 @@ def test_latent_heat_of_a_held_solid(scheme: vv.Scheme) -> None:
     assert float(np.trapezoid(-c / (T - 243.0), T)) == pytest.approx(
         6.0, abs=0.1 if scheme.order == 1 else 0.01
     )
+
+
+STEEL = [(293.0, 440.0), (873.0, 760.0), (973.0, 1008.0), (1008.0, 5000.0), (1060.0, 780.0), (1173.0, 650.0)]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        STEEL,
+        [(272, 2e6), (273, 3e8), (274, 4.2e6)],
+        [(269, 1), (271, 101), (273, 1)],
+        [(290, 1), (310, 1e4), (330, 1)],
+    ],
+)
+@pytest.mark.parametrize("zero", [250.0, 293.0, 1000.0])
+def test_temperatures_of_tables_are_found_from_entropies(table: Any, zero: float) -> None:
+    """Newton's method went to and fro across humps, and gave the last of its temperatures for the one sought."""
+    capacity, T = capacity_of("table", table, 0.0, zero), np.linspace(200.0, 1300.0, 20001)
+    np.testing.assert_allclose(capacity.temperature(capacity.entropy(T)), T, rtol=1e-11)
+
+
+@pytest.mark.parametrize("T", [996.0, 998.0, 1009.42, 1013.42, 1022.0, 1030.0, 1050.0])
+def test_an_insulated_solid_of_steel_keeps_its_temperature(T: float) -> None:
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.SaintVenantKirchhoff(young=2e5, poisson=0.3),
+        heat=vv.Heat(conductivity=30.0, capacity=STEEL, reference=293.0),
+        density=7850.0,
+        temperature=T,
+    )
+    system = vv.System([body, vv.Prescribed(solid=body, nodes="all", motion=(0, 0, 0))])
+    assert body.temperatures(system.x) == pytest.approx(T, rel=1e-12)
+    vv.simulate(system, until=1.0, step=0.5)
+    assert body.temperatures(system.x) == pytest.approx(T, rel=1e-9)

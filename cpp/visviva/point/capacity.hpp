@@ -22,7 +22,7 @@ struct Capacity {
     V at(V rise) const {
         V sum = c * (1.0 + p[0] * rise), m{}, v{};
         for (int k = 1; !is_constant && k < n_par; k += 2) {
-            m += p[k + 1];
+            m = k + 2 < n_par ? m + p[k + 1] : V{};  // constant behind the last bend, not but for rounding
             const V end = k + 2 < n_par ? p[k + 2] : broadcast(1e300), theta = zero + rise;
             sum += select((theta >= p[k]) & (theta < end), v + m * (theta - p[k]), V{});
             v += m * (end - p[k]);
@@ -41,7 +41,7 @@ struct Capacity {
     void for_pieces(V theta, V change, F&& f) const {
         V m{}, v{};
         for (int k = 1; !is_constant && k < n_par; k += 2) {
-            m += p[k + 1];
+            m = k + 2 < n_par ? m + p[k + 1] : V{};  // constant behind the last bend, not but for rounding
             const V t = p[k], end = k + 2 < n_par ? p[k + 2] : broadcast(1e300), then = theta + change;
             const VI inside = (theta >= t) & (theta <= end) & (then >= t) & (then <= end);
             const V a = vmax(t, theta < end ? theta : end), b = vmax(t, then < end ? then : end);
@@ -83,20 +83,22 @@ struct Capacity {
     }
     /// theta - theta0 at the entropy H.
     VISVIVA_INLINE V rise_of(V H) const { return is_constant ? zero * expm1(H / c) : sought(zero, H); }
+    static V by_one(V y) { return select(y > 1.0, broadcast(1.0), select(y < -1.0, broadcast(-1.0), y)); }
     /// The change of a temperature where the entropy grows by `more`, by Newton's method in the logarithm of
     /// theta, within what is known to hold it.
     __attribute__((noinline)) V sought(V theta, V more) const {
-        V low = broadcast(-700.0), high = broadcast(700.0), y = more / at(theta - zero);
+        V low = broadcast(-700.0), high = broadcast(700.0), y = by_one(more / at(theta - zero));
         VI moving =
             vabs(y) >= 0.0;  // lanes that are not yet found; others rest, maybe at an end of what holds them
         for (int k = 0; k < 200 && any(moving); ++k) {
-            y = select(moving & ((y <= low) | (y >= high)), 0.5 * (low + high), y);
+            // Across a narrow hump Newton's steps may go to and fro: from the tenth on every second halves.
+            const VI halves = k > 8 && k % 2 ? (low > -700.0) & (high < 700.0) : (y <= low) | (y >= high);
+            y = select(moving & halves, 0.5 * (low + high), y);
             const V change = theta * expm1(y), off = entropy(theta, change) - more;
             low = select(off < 0.0, y, low), high = select(off > 0.0, y, high);
             const V here = at(theta + change - zero), step = off / here,
-                    tiny = 4e-16 * (vabs(y) + vabs(more) / here),
-                    within = select(step > 1.0, broadcast(1.0), select(step < -1.0, broadcast(-1.0), step));
-            y -= select(moving, within, V{});
+                    tiny = 4e-16 * (vabs(y) + vabs(more) / here);
+            y -= select(moving, by_one(step), V{});
             moving &= (vabs(step) > tiny) & (high - low > tiny);
         }
         return theta * expm1(y);

@@ -73,8 +73,13 @@ class Exclusion(Component):
             same = first.space.size == other.space.size and len(first.space.cells()) == len(
                 other.space.cells()
             )
-            if not same or not all(np.array_equal(a.X, b.X) for a, b in pairs):
-                raise InputError(f"{self.label}: {first.label} and {other.label} are not on the same mesh")
+            if not same or not all(
+                np.array_equal(a.X, b.X) and np.array_equal(a.numbers, b.numbers) for a, b in pairs
+            ):
+                raise InputError(
+                    f"{self.label}: {first.label} and {other.label} are not on the same mesh, with the same periodic "
+                    "sides"
+                )
             if first.thickness != other.thickness:
                 raise InputError(
                     f"{self.label}: {first.label} has thickness = {first.thickness:g}, {other.label} "

@@ -26,6 +26,8 @@ from visviva.phase.crack_law import CrackLaw, Irreversibility, Model, SplitName
 
 if TYPE_CHECKING:
     from visviva.model.model import Model as Equations
+    from visviva.model.state import State
+    from visviva.scheme.schemes import Scheme
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -173,6 +175,14 @@ class FracturingSolid(Solid):
             raise InputError(
                 f"{self.label}: irreversibility = 'history' would heal a damage of {self.start_damages.max():g} at the "
                 "start, which no strain has made; cut the mesh open by Mesh.opened, or take 'active set'"
+            )
+
+    def start(self, state: State, scheme: Scheme) -> None:
+        super().start(state, scheme)
+        if self.irreversibility == "history" and scheme.theta < 1 and not scheme.discrete_gradient:
+            raise InputError(
+                f"{self.label}: irreversibility = 'history' follows damages at ends of steps, and {scheme} asks for "
+                "them in the middle, where they would swing: take vv.EnergyMomentum(), vv.BDF2() or 'active set'"
             )
 
     def _refuse_coarse(self) -> None:

@@ -51,7 +51,7 @@ class Capacity:
         """
         ends, m, v = [*self.bends[1:, 0], np.inf][: len(self.bends)], 0.0, 0.0
         for (t, b), end in zip(self.bends, ends, strict=True):
-            m += b
+            m = m + b if np.isfinite(end) else 0.0  # constant behind the last bend, not but for rounding
             a = min(max(self.zero, t), end)
             yield v + m * (a - t), m, a, np.clip(T, t, end) - a
             v += m * (end - t) if np.isfinite(end) else 0.0
@@ -84,13 +84,15 @@ class Capacity:
 
     def temperature(self, H: Array) -> Array:
         """Temperatures (n,) at entropies (n,), by Newton's method within what is known to hold them."""
-        y = H / self.c
+        y = np.clip(H / self.c, -1, 1) if not self.is_constant else H / self.c
         low, high = np.full_like(y, -700.0), np.full_like(y, 700.0)
         moving = np.full(y.shape, not self.is_constant)
-        for _ in range(200):
+        for k in range(200):
             if not moving.any():
                 break
-            y = np.where(moving & ((y <= low) | (y >= high)), 0.5 * (low + high), y)
+            # across a narrow hump Newton's steps may go to and fro: from the tenth on every second halves
+            held = (low > -700) & (high < 700) if k > 8 and k % 2 else (y <= low) | (y >= high)
+            y = np.where(moving & held, 0.5 * (low + high), y)
             T = self.zero * np.exp(y)
             off, c = self.entropy(T) - H, self.at(T)
             low, high = np.where(off < 0, y, low), np.where(off > 0, y, high)
