@@ -1,5 +1,6 @@
 // Solids whose material conducts heat: the internal energy of strain and entropy, and the balance of entropy.
 #pragma once
+#include "visviva/material/discrete_gradient.hpp"
 #include "visviva/material/mixed_energy.hpp"
 #include "visviva/material/wrapped.hpp"
 #include "visviva/point/capacity.hpp"
@@ -77,7 +78,85 @@ struct ThermoelasticEnergy : PlainEnergy {
             to.d[packed(n, 6, 6)] = by_s;
         }
     }
+    template <bool tangent>
+    void discrete_gradient(const V* e0, const V* e1, V* s, V* T) const;
+    template <bool tangent>
+    static void without_metric(V* s, V* T) {
+        for (int k = 0; k < 6; ++k) s[k] *= weight(k);
+        for (int k = 0; tangent && k < n; ++k)
+            for (int l = 0; l < n; ++l) T[n * k + l] *= weight(k) * weight(l);
+    }
 };
+
+/// The mean of the energies at the entropies where a step begins and where it ends: at one strain constant
+/// capacities make both temperatures a multiple of each other, 1 + more. Derivatives by the entropy are those
+/// by the one at the end.
+struct EntropyMean : ThermoelasticEnergy {
+    V more;
+    EntropyMean(const ThermoelasticEnergy& energy, V by) : ThermoelasticEnergy(energy), more(by) {}
+    using ThermoelasticEnergy::increase;
+    V temperature(const Shared& at, const V* e) const { return p[thermal::zero] + heat.rise_of(e[6] - at.M); }
+    V increase(const Shared& from, const V* e0, const Shared& to, const V*) const {
+        const V dM = to.M - from.M, theta = (1.0 + 0.5 * more) * temperature(from, e0);
+        return (to.w.W - from.w.W) + p[thermal::zero] * dM + heat.c * theta * expm1(-dM / heat.c);
+    }
+    template <bool second>
+    void evaluate(const Shared& at, const V* e, Potential<n>& to) const {
+        const V zero = p[thermal::zero], first = heat.rise_of(e[6] - at.M),
+                rise = first + 0.5 * more * (zero + first), later = 0.5 * (1.0 + more) * (zero + first);
+        to.W = at.w.W + zero * at.M + heat.c * rise, to.s[6] = later;
+        for (int k = 0; k < 6; ++k) to.s[k] = at.w.s[k] - rise * at.M_C[k];
+        if constexpr (second) {
+            const V by_s = (zero + rise) / heat.c, by_later = later / heat.c;
+            for (int k = 0; k < 6; ++k) {
+                for (int l = k; l < 6; ++l) {
+                    const int i = packed(6, k, l);
+                    to.d[packed(n, k, l)] = at.w.d[i] - rise * at.M_CC[i] + by_s * at.M_C[k] * at.M_C[l];
+                }
+                to.d[packed(n, k, 6)] = -by_later * at.M_C[k];
+            }
+        }
+    }
+};
+
+/// That of discrete_gradient.hpp, conjugate to strains as they stand: where capacities are constant in fewer
+/// evaluations. Paths of strains at either entropy are one of the mean of both energies, and the temperature
+/// is the quotient of differences: (theta(C0, s0) + theta(C1, s0)) / 2 (exp(x) - 1) / x, x = (s1 - s0) / c.
+template <bool tangent>
+void ThermoelasticEnergy::discrete_gradient(const V* e0, const V* e1, V* s, V* T) const {
+    if (!heat.is_constant) {
+        VISVIVA_ISA::discrete_gradient<tangent>(*this, e0, e1, s, T);
+        return without_metric<tangent>(s, T);
+    }
+    const V x = (e1[6] - e0[6]) / heat.c;
+    const EntropyMean mean(*this, expm1(x));
+    const Places<tangent, EntropyMean> places(mean, e0, e1);
+    V middle[n], d[n], df[n] = {};
+    for (int k = 0; k < n; ++k) d[k] = e1[k] - e0[k], middle[k] = k < 6 ? 0.5 * (e0[k] + e1[k]) : e0[k];
+    Potential<n> p0, p1, m;
+    mean.evaluate<false>(places.at[at_start], e0, p0), mean.evaluate<false>(places.at[at_end], middle, p1);
+    mean.evaluate<tangent>(places.at[in_middle], middle, m);
+    const V f = correction<tangent>(places, mean, Part<EntropyMean>{0, true}, e0, e1, d, m, p0, p1, df);
+    for (int k = 0; k < 6; ++k) {
+        s[k] = m.s[k] + f * d[k];
+        for (int l = 0; tangent && l < n; ++l)
+            T[n * k + l] = (l < 6 ? 0.5 : 1.0) * m.second(k, l) + d[k] * df[l];
+        if constexpr (tangent) T[n * k + k] += (1.0 / weight(k)) * f;
+    }
+    const VI still = x == 0.0;
+    const V per = select(still, broadcast(1.0), mean.more / select(still, broadcast(1.0), x));
+    // p.s[6] is half of the temperature at the entropy of the end
+    const V both = (p0.s[6] + p1.s[6]) / (1.0 + mean.more);
+    s[6] = both * per;
+    if constexpr (tangent) {
+        const V slope = select(vabs(x) < 1e-2, 0.5 + x * (1.0 / 3 + x * (0.125 + x / 30.0)),
+                               ((1.0 + mean.more) - per) / select(still, broadcast(1.0), x));
+        for (int l = 0; l < 6; ++l)
+            T[n * 6 + l] = (-p1.s[6] / (1.0 + mean.more)) * (per / heat.c) * places.at[at_end].M_C[l];
+        T[n * 6 + 6] = both * slope / heat.c;
+    }
+    without_metric<tangent>(s, T);
+}
 
 /// The balance s' = div(K grad theta / theta) + grad theta . K grad theta / theta^2 tests the entropy, and
 /// that the temperature is D_s e the temperature. Both have the same shape functions, so that heat flows and
