@@ -211,6 +211,49 @@ def linked() -> Components:
     return [first, body, other, flux, bolt, strap]
 
 
+def faced_shells() -> Components:
+    """Heat through the sides of two shells: from a rigid body, from one to the other, and to what is around."""
+    grid = vv.RectangleMesh(size=(1, 1), counts=(1, 1)).build()
+    shells = [
+        vv.ThermalShell(
+            mesh=vv.Mesh(
+                np.column_stack([grid.points[:, :2], np.full(4, z)]), grid.cells, face_sets=grid.face_sets
+            ),
+            section=vv.SolidSection(
+                material=vv.NeoHooke(lame_lambda=20.0, shear=10.0), thickness=0.2, density=1.0, points=points
+            ),
+            profile=profile,
+            heat=HEAT,
+            temperature=20.0 + 10 * z,
+            difference=2.0,
+            angular_velocity=(0.1, 0.4, 0.2),
+        )
+        for z, profile, points in ((0.0, "linear", 2), (0.2, "quadratic", 3))
+    ]
+    wall = vv.ThermalBody(
+        mesh=vv.BoxMesh(size=(1, 1, 0.5), counts=(1, 1, 1), origin=(0, 0, -0.5)),
+        conductivity=1.0,
+        capacity=2.0,
+        temperature=25.0,
+    )
+    lower, upper = shells
+    return [
+        wall,
+        *shells,
+        vv.HeatTie(first=lower, first_faces="lower", second=wall, second_faces="z1"),
+        vv.HeatTie(
+            first=lower,
+            first_faces="upper",
+            second=upper,
+            second_faces="lower",
+            conductance=0.5,
+            reach=0.3,
+        ),
+        vv.HeatExchange(a=lower, faces_a="upper", b=upper, faces_b="upper", conductance=0.3),
+        vv.HeatExchange(a=upper, faces_a="upper", ambient="20 + t", conductance=0.4),
+    ]
+
+
 def bathed() -> Components:
     """A warm cube in a fluid that flows through a box."""
     fluid = vv.Fluid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), density=1.0, viscosity=0.5)
@@ -389,6 +432,7 @@ THERMAL = [
         for kind in ("shell", "line2", "line3")
     ],
     Entry("heat links", linked, NOTHING, steps=20),
+    Entry("heat through sides of shells", faced_shells, NOTHING, h=0.01, steps=20),
     *[
         Entry(f"warm contact, {name}", partial(touching, **options), MOMENTA, h=0.01, steps=20)
         for name, options in (

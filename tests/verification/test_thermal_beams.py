@@ -267,6 +267,56 @@ def test_heat_flows_through_a_plate(cell: str) -> None:
     assert result.ledger.swing("total") < 1e-3 * 5e3 * 200
 
 
+def faced(z: float, difference: float, profile: Any = "linear") -> vv.ThermalShell:
+    """A plate of unit area in space that holds still, of thickness .02 and conductivity 50."""
+    grid = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+    points = np.column_stack([grid.points[:, :2], np.full(len(grid.points), z)])
+    return vv.ThermalShell(
+        mesh=vv.Mesh(points, grid.cells, face_sets=grid.face_sets),
+        section=vv.SolidSection(
+            material=vv.SaintVenantKirchhoff(young=210e9, poisson=0.0), thickness=0.02, points=3
+        ),
+        profile=profile,
+        heat=vv.Heat(conductivity=50.0, capacity=3.6e6, reference=300.0),
+        difference=difference,
+    )
+
+
+@pytest.mark.parametrize("profile", ["linear", "quadratic"])
+@pytest.mark.parametrize("link", ["exchange", "tie with a resistance", "tie"])
+def test_a_wall_of_two_shells_between_two_fluids(link: str, profile: str) -> None:
+    """``q = (T1 - T2) / (1 / h1 + d / k + 1 / c + d / k + 1 / h2)``, steady, with Biot numbers of one and two.
+
+    Heat passes at the temperatures of the sides that it passes, not at the means of the walls.
+    """
+    lower, upper = faced(0.0, -1.0, profile), faced(0.02, 1.0, profile)
+    joined: dict[str, Any] = {
+        "first": lower,
+        "first_faces": "upper",
+        "second": upper,
+        "second_faces": "lower",
+    }
+    links = {
+        "exchange": (
+            vv.HeatExchange(a=lower, faces_a="upper", b=upper, faces_b="lower", conductance=4e3),
+            4e3,
+        ),
+        "tie with a resistance": (vv.HeatTie(**joined, conductance=4e3, reach=0.1), 4e3),
+        "tie": (vv.HeatTie(**joined, reach=0.1), np.inf),
+    }
+    between, c = links[link]
+    around = [
+        vv.HeatExchange(a=lower, faces_a="lower", ambient=340.0, conductance=2500.0),
+        vv.HeatExchange(a=upper, faces_a="upper", ambient=300.0, conductance=5000.0),
+    ]
+    held = [vv.Fixed(solid=body, nodes="all") for body in (lower, upper)]
+    system = settled([lower, upper, between, *around, *held], until=1e7)
+    q = 40.0 / (1 / 2500.0 + 2 * 0.02 / 50.0 + 1 / c + 1 / 5000.0)
+    below, above = lower.face_temperatures(system.x), upper.face_temperatures(system.x)
+    assert below == pytest.approx(340.0 - q * (1 / 2500.0 + np.array([[0, 0.02 / 50]] * 9)), abs=1e-6)
+    assert above == pytest.approx(300.0 + q * (1 / 5000.0 + np.array([[0.02 / 50, 0]] * 9)), abs=1e-6)
+
+
 def pipe(radius: float, thickness: float, n: int) -> vv.ThermalShell:
     """Of length 1, outside up."""
     first = np.arange(n)
@@ -320,8 +370,18 @@ def test_a_plate_heated_on_one_side_has_a_quadratic_profile() -> None:
     assert found[1] == pytest.approx(1.0, rel=2e-3)
 
 
+def linked_by_both_sides(body: vv.ThermalShell) -> vv.HeatExchange:
+    upper, lower = body.faces("upper"), body.faces("lower")
+    both = vv.Faces(
+        {kind: np.vstack([upper.cells[kind], lower.cells[kind]]) for kind in upper.cells},
+        {kind: np.concatenate([upper.owners[kind], lower.owners[kind]]) for kind in upper.cells},
+    )
+    return vv.HeatExchange(a=body, faces_a=both, ambient=300.0, conductance=1.0)
+
+
 BAD = [
     (lambda: flying_shell("quadratic"), "give it points=3"),
+    (lambda: linked_by_both_sides(plate()), "take 'upper', 'lower' and edges each for itself"),
     (lambda: strip((0.0, 0.0), -300.0), "not above absolute zero"),
     (
         lambda: vv.ThermalBeam(

@@ -58,7 +58,7 @@ class HeatPort:
         The entropies whose balance takes the heat, and the temperatures of the step; the same unknowns where heat
         itself is balanced, as in a `ThermalBody`.
     weights : array (k,)
-        Their sum is one.
+        Their sum is one, but for what differs through the thickness of a shell.
     """
 
     contents: Ints
@@ -166,10 +166,22 @@ class HeatCarrier(Component):
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         """Let heat flow in at quadrature points, booked as `kind`."""
 
-    def heat_port(self, nodes: Ints, weights: Array) -> HeatPort:
-        """Port for heat that nodes (k,) share by weights (k,), which add up to one."""
-        contents, temperatures = self.balance_unknowns(nodes), self.temperature_unknowns(nodes)
-        return HeatPort(contents.astype(np.int64), temperatures.astype(np.int64), weights)
+    def heat_modes(self, faces: Faces) -> Array:
+        """What each unknown (modes,) of the temperature of a node counts for at faces; a shell has several.
+
+        They follow each other.
+        """
+        return np.ones(1)
+
+    def heat_port(self, nodes: Ints, weights: Array, modes: Array | None = None) -> HeatPort:
+        """Port for heat that nodes (k,) share by weights (k,), which add up to one, at faces of these `modes`."""
+        given = np.ones(1) if modes is None else modes
+        further, share = np.arange(len(given))[:, None], np.outer(given, weights).ravel()
+        contents, temperatures = (
+            (of.astype(np.int64) + further).ravel()
+            for of in (self.balance_unknowns(nodes), self.temperature_unknowns(nodes))
+        )
+        return HeatPort(contents, temperatures, share)
 
 
 def taken_for_kelvin(label: str, warmest: float) -> list[str]:

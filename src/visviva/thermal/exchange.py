@@ -23,25 +23,28 @@ class Side:
     Attributes
     ----------
     unknowns : int array (m, c)
-        Of the balances at the nodes, then, where these are of entropy, of their temperatures.
+        Of the balances at the nodes, then, where these are of entropy, of their temperatures, each mode by mode.
     columns : int array (c,)
         Of these in the stencil.
     is_entropy : bool
         Whether entropy is balanced: heat counts by the temperature at which it passes, that of the step.
+    modes : array (n,)
+        What the temperatures of a node count for at the faces, see `HeatCarrier.heat_modes`.
     """
 
     unknowns: NDArray[np.int32]
     columns: Columns
     is_entropy: bool
+    modes: Array
 
     @classmethod
-    def of(cls, body: HeatCarrier, nodes: Ints, first: int) -> Side:
+    def of(cls, body: HeatCarrier, nodes: Ints, modes: Array, first: int) -> Side:
         """Of a body, with columns from the first on."""
-        parts = [body.balance_unknowns(nodes)]
+        fields = [body.balance_unknowns(nodes)]
         if body.balances_entropy:
-            parts.append(body.temperature_unknowns(nodes))
-        unknowns = np.hstack(parts)
-        return cls(unknowns, first + np.arange(unknowns.shape[1]), body.balances_entropy)
+            fields.append(body.temperature_unknowns(nodes))
+        unknowns = np.hstack([field + i for field in fields for i in range(len(modes))])
+        return cls(unknowns, first + np.arange(unknowns.shape[1]), body.balances_entropy, modes)
 
     @property
     def order(self) -> NDArray[np.int32]:
@@ -53,17 +56,31 @@ class Side:
 
     @property
     def balances(self) -> Columns:
-        """Columns of the balances."""
-        return self.columns[: len(self.columns) // 2] if self.is_entropy else self.columns
+        """Columns of the balances (n, k)."""
+        own = self.columns[: len(self.columns) // 2] if self.is_entropy else self.columns
+        return own.reshape(len(self.modes), -1)
 
     @property
     def warmth(self) -> Columns:
-        """Columns of the temperatures."""
-        return self.columns[len(self.columns) // 2 :] if self.is_entropy else self.columns
+        """Columns of the temperatures (n, k)."""
+        own = self.columns[len(self.columns) // 2 :] if self.is_entropy else self.columns
+        return own.reshape(len(self.modes), -1)
 
-    def temperatures(self, s: Stencils) -> tuple[Array, float]:
+    def temperatures(self, s: Stencils, at_end: bool = False) -> tuple[Array, float]:
         """At which heat passes (m, k), and their derivative by the end of the step."""
-        return (s.x1[:, self.warmth], 1.0) if self.is_entropy else (s.x[:, self.warmth], s.step.theta)
+        x, rise = (s.x1, 1.0) if self.is_entropy or at_end else (s.x, s.step.theta)
+        return np.einsum("i,mik->mk", self.modes, x[:, self.warmth]), rise
+
+    def give(self, found: Array, amount: Array) -> None:
+        """Add an amount (m, k) at the nodes to the residual of their balances."""
+        for mode, columns in zip(self.modes, self.balances, strict=True):
+            found[:, columns] += mode * amount
+
+    def give_slopes(self, K: Array, other: Side, block: Array) -> None:
+        """Add its derivatives (m, k, l) by the temperatures of another side."""
+        for mode, rows in zip(self.modes, self.balances, strict=True):
+            for share, columns in zip(other.modes, other.warmth, strict=True):
+                K[np.ix_(np.arange(len(K)), rows, columns)] += mode * share * block
 
 
 class HeatExchange(Term):
@@ -71,7 +88,7 @@ class HeatExchange(Term):
 
     Parameters
     ----------
-    bodies, nodes : of both, nodes (m, k1) and (m, k2)
+    bodies, nodes, modes : of both, nodes (m, k1) and (m, k2), and modes of their faces
     N : shape functions (m, q, k1) and (m, q, k2) of both
     size : array (m, q)
         Areas of the points.
@@ -85,13 +102,14 @@ class HeatExchange(Term):
         self,
         bodies: Sequence[HeatCarrier],
         nodes: Sequence[Ints],
+        modes: Sequence[Array],
         N: Sequence[Array],
         size: Array,
         conductance: float,
     ) -> None:
         super().__init__()
-        first = Side.of(bodies[0], nodes[0], 0)
-        self.sides = first, Side.of(bodies[1], nodes[1], len(first.columns))
+        first = Side.of(bodies[0], nodes[0], modes[0], 0)
+        self.sides = first, Side.of(bodies[1], nodes[1], modes[1], len(first.columns))
         self.unknowns = np.ascontiguousarray(
             np.hstack([side.unknowns for side in self.sides]), dtype=np.int32
         )
@@ -110,7 +128,7 @@ class HeatExchange(Term):
         found = np.zeros_like(s.x1)
         for side, N, at, sign in zip(self.sides, self.N, T, (1.0, -1.0), strict=True):
             amount = heat / at if side.is_entropy else heat
-            found[:, side.balances] = sign * np.einsum("mqk,mq->mk", N, amount)
+            side.give(found, sign * np.einsum("mqk,mq->mk", N, amount))
         return found
 
     def tangent(self, s: Stencils) -> Array:
@@ -124,7 +142,7 @@ class HeatExchange(Term):
                 if other is side and side.is_entropy:
                     change = change - heat * by**2
                 block = np.einsum("mqk,mql->mkl", (sign * rise * change)[:, :, None] * N, M)
-                K[np.ix_(np.arange(len(K)), side.balances, other.warmth)] += block
+                side.give_slopes(K, other, block)
         return K
 
     def work(self, s: Stencils) -> Array:
@@ -143,6 +161,8 @@ class HeatBond(Term):
     multipliers : int array (m,)
     nodes : int array (m, r1) and (m, r2)
         Of both bodies, -1 where a row has fewer.
+    modes : arrays
+        Of the faces of both.
     weights : arrays (m, r1) and (m, r2)
     """
 
@@ -154,16 +174,17 @@ class HeatBond(Term):
         bodies: Sequence[HeatCarrier],
         multipliers: NDArray[np.int32],
         nodes: Sequence[Ints],
+        modes: Sequence[Array],
         weights: Sequence[Array],
     ) -> None:
         super().__init__()
-        first = Side.of(bodies[0], np.maximum(nodes[0], 0), 1)
-        second = Side.of(bodies[1], np.maximum(nodes[1], 0), 1 + len(first.columns))
+        first = Side.of(bodies[0], np.maximum(nodes[0], 0), modes[0], 1)
+        second = Side.of(bodies[1], np.maximum(nodes[1], 0), modes[1], 1 + len(first.columns))
         self.sides, self.weights = (first, second), weights
         self.produces = all(side.is_entropy for side in self.sides)
         parts = [multipliers[:, None]]
         for side, of in zip(self.sides, nodes, strict=True):
-            there = np.tile(of >= 0, (1, 1 + side.is_entropy))
+            there = np.tile(of >= 0, (1, len(side.modes) * (1 + side.is_entropy)))
             parts.append(
                 np.where(there, side.unknowns, multipliers[:, None])
             )  # what is not there weighs nothing
@@ -176,9 +197,7 @@ class HeatBond(Term):
         self.at_end = not (first.is_entropy or second.is_entropy)
 
     def _temperatures(self, s: Stencils) -> list[tuple[Array, float]]:
-        if self.at_end:
-            return [(s.x1[:, side.warmth], 1.0) for side in self.sides]
-        return [side.temperatures(s) for side in self.sides]
+        return [side.temperatures(s, self.at_end) for side in self.sides]
 
     def residual(self, s: Stencils) -> Array:
         found = np.zeros_like(s.x1)
@@ -188,7 +207,7 @@ class HeatBond(Term):
         for side, w, (T, _), divided, there in data:
             found[:, 0] += np.sum(w * T, axis=1)
             amount = w * s.x1[:, :1]
-            found[:, side.balances] += amount / np.where(there, T, 1.0) if divided else amount
+            side.give(found, amount / np.where(there, T, 1.0) if divided else amount)
         return found
 
     def tangent(self, s: Stencils) -> Array:
@@ -197,11 +216,12 @@ class HeatBond(Term):
             self.sides, self.weights, self._temperatures(s), self.carries_heat, self.there, strict=True
         )
         for side, w, (T, rise), divided, there in data:
-            K[:, 0, side.warmth] += rise * w
             by = np.where(there, T, 1.0)
-            K[:, side.balances, 0] += w / by if divided else w
+            side.give(K[:, :, 0], w / by if divided else w)
+            for mode, columns in zip(side.modes, side.warmth, strict=True):
+                K[:, 0, columns] += mode * rise * w
             if divided:
-                K[:, side.balances, side.warmth] -= w * s.x1[:, :1] / by**2
+                side.give_slopes(K, side, -(w * s.x1[:, :1] / by**2)[:, :, None] * np.eye(w.shape[1]))
         return K
 
     def work(self, s: Stencils) -> Array:

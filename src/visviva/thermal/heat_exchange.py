@@ -141,24 +141,24 @@ class End:
         except InputError as error:
             raise InputError(f"{label}: {error}") from None
 
-    def port_nodes(self) -> tuple[Ints, Array]:
-        """Nodes and weights, which add up to one, of its temperature; none where there are no nodes."""
+    def port_nodes(self) -> tuple[Ints, Array, Array]:
+        """Nodes and weights, which add up to one, of its temperature, and its modes; none where there are no nodes."""
         body = self.of
         if self.nodes is not None:
             nodes = body.nodes(self.nodes)
-            return nodes, np.full(len(nodes), 1 / len(nodes))
+            return nodes, np.full(len(nodes), 1 / len(nodes)), np.ones(1)
         if self.at is not None:
             found, weights = locate(body.grid, self.at[: body.dimension], body.label)
-            return np.asarray(found), np.asarray(weights)
+            return np.asarray(found), np.asarray(weights), np.ones(1)
         if self.faces is None:
-            return np.zeros(0, dtype=np.int64), np.zeros(0)
+            return np.zeros(0, dtype=np.int64), np.zeros(0), np.ones(1)
         total = np.zeros(body.grid.n_nodes)
         faces = body.faces(self.faces)
         refuse_periodic("its faces", body, body.periodic, faces)
-        for p in body.face_points(faces):
+        for p in body.heated_points(faces):
             np.add.at(total, p.nodes, p.size @ p.N)
         nodes = np.flatnonzero(total)
-        return nodes, total[nodes] / total.sum()
+        return nodes, total[nodes] / total.sum(), body.heat_modes(faces)
 
     def port(self) -> HeatPort:
         """Where its heat goes in and out."""
@@ -184,7 +184,9 @@ class HeatExchange(Component):
     at_a, at_b : (3,), optional
         Of bodies, in place of nodes: where it begins and ends, in the reference configuration.
     faces_a, faces_b : str or Faces, optional
-        In place of either: faces whose mean temperature by area counts, over which the heat is spread.
+        In place of either: faces whose mean temperature by area counts, over which the heat is spread; of a
+        `ThermalShell` the sides 'upper' and 'lower' are as warm as these themselves, nodes and places as their mean
+        through the thickness.
     ambient : number, expression or table of time, optional
         Absolute temperature of the surroundings.
 

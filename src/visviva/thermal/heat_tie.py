@@ -34,10 +34,11 @@ class HeatTie(Component):
 
     Parameters
     ----------
-    first, second : ThermalBody, ThermoelasticSolid or FluidHeat
+    first, second : ThermalBody, ThermoelasticSolid, ThermalShell or FluidHeat
         The first surface should be the finer one.
     first_faces, second_faces : str or Faces
-        Which part of the surface; 'all' for the whole boundary.
+        Which part of the surface; 'all' for the whole boundary. Of a shell the sides 'upper' or 'lower', which are as
+        warm as they are themselves, or edges, at the mean through the thickness.
     conductance : float, optional
         Heat per time, area and difference of temperatures. By default temperatures are the same, by a multiplier at
         every node of the first surface, the heat that passes there.
@@ -96,6 +97,7 @@ class HeatTie(Component):
             for body, chosen in sides:
                 refuse_periodic("its surfaces", body, body.periodic, body.faces(chosen))
             skins = [body.heat_skin(chosen) for body, chosen in sides]
+            self._modes = [body.heat_modes(body.faces(chosen)) for body, chosen in sides]
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         edges = any(
@@ -157,13 +159,15 @@ class HeatTie(Component):
         parts = [padded(rows[:, :n]), padded(rows[:, n:])]
         nodes = [np.where(c >= 0, of[c], -1) for (c, _), of in zip(parts, self._nodes, strict=True)]
         numbers = np.asarray(self._heat.unknowns, dtype=np.int32)
-        model.term(self, HeatBond((self.first, self.second), numbers, nodes, [w for _, w in parts]))
+        model.term(
+            self, HeatBond((self.first, self.second), numbers, nodes, self._modes, [w for _, w in parts])
+        )
 
     def _exchange(self, model: Model, conductance: float) -> None:
         for nodes, N, size in self._pair.shared_points():
             own = [of[n] for of, n in zip(self._nodes, nodes, strict=True)]
             area = self.first.thickness * size
-            model.term(self, HeatExchange((self.first, self.second), own, N, area, conductance))
+            model.term(self, HeatExchange((self.first, self.second), own, self._modes, N, area, conductance))
 
     # --- results -------------------------------------------------------------------------------------------
     def heat(self, x: Array) -> float:

@@ -264,9 +264,9 @@ class ThermalBeam(Beam, HeatCarrier):
     def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
         return self._unknowns(nodes, self.entropy.start).astype(np.int32)
 
-    def heat_port(self, nodes: Ints, weights: Array) -> HeatPort:
+    def heat_port(self, nodes: Ints, weights: Array, modes: Array | None = None) -> HeatPort:
         there = self._place[nodes] >= 0  # midside nodes have no temperatures of their own
-        return super().heat_port(nodes[there], weights[there] / weights[there].sum())
+        return super().heat_port(nodes[there], weights[there] / weights[there].sum(), modes)
 
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Any:
         """There are none: a beam is a line.

@@ -14,6 +14,7 @@ from visviva.base.errors import InputError
 from visviva.body.extensible_shell import ExtensibleShell, Stack
 from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.shell_layers import N_RAW
+from visviva.body.touching import looks_up
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
 from visviva.material.material import Material
@@ -258,6 +259,29 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def heated_points(self, faces: Faces) -> Iterator[FacePoints]:
         """Of sides on these themselves, whose areas differ from that of the middle where the shell is curved."""
         return self.face_points(faces, on_sides=True)
+
+    def heat_modes(self, faces: Faces) -> Array:
+        """Of its upper or its lower side; through edges the mean.
+
+        Raises
+        ------
+        InputError
+            For faces of several sides, which have no temperature in common.
+        """
+        signs = {sign for kind in faces.cells for sign in self._signs(kind, faces)}
+        if len(signs) > 1:
+            raise InputError(
+                f"{self.label}: these faces are of both of its sides, or of a side and edges, which differ in "
+                "temperature; take 'upper', 'lower' and edges each for itself"
+            )
+        return np.array([1.0, *self._at_side(signs.pop())])
+
+    def _signs(self, kind: str, faces: Faces) -> Array:
+        """1 of faces (m,) of the upper side, -1 of the lower one, 0 of edges."""
+        nodes = faces.cells[kind]
+        if CELLS[kind].dimension == 1:
+            return np.zeros(len(nodes))
+        return np.where(looks_up(nodes, self.cells_of(kind, faces.owners[kind])), 1.0, -1.0)
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         side = np.zeros(len(points.nodes))
