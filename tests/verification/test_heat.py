@@ -294,21 +294,3 @@ def test_radiation_that_overflows_fails_the_step() -> None:
         vv.simulate(system, until=1e6, step=1e6)
     assert system.time == 0
     assert body.temperatures(system.x).max() == 1e-10
-
-
-def celsius(which: str) -> list[Any]:
-    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
-    body = vv.ThermalBody(mesh=mesh, conductivity=1.0, temperature=20.0)
-    if which == "radiation":
-        return [body, vv.Radiation(body=body, faces="x1", emissivity=0.5, ambient=10.0)]
-    if which == "exchange":
-        store = vv.HeatStore(capacity=1.0)
-        return [body, store, vv.HeatExchange(a=body, nodes_a="all", b=store, conductance=1.0)]
-    steel, heat = vv.NeoHooke(young=1.0, poisson=0.3), vv.Heat(conductivity=1.0, capacity=1.0)
-    solid = vv.ThermoelasticSolid(mesh=mesh, material=steel, heat=heat, temperature=20.0)
-    return [solid, vv.Fixed(solid=solid, nodes="x0")]
-
-
-@pytest.mark.parametrize("which", ["radiation", "exchange", "solid"])
-def test_check_tells_of_degrees_celsius_among_kelvin(which: str) -> None:
-    assert any("kelvin" in line for line in vv.System(celsius(which)).check().remarks)

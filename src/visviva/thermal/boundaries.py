@@ -18,6 +18,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
 from visviva.mesh.periodic import refuse_periodic
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier
+from visviva.thermal.celsius import looks_celsius, taken_for_kelvin
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -53,6 +54,11 @@ class Values:
                 f"{len(places)} places (n, 3); it must give n finite numbers"
             )
         return np.asarray(np.broadcast_to(found, (len(places),)).reshape(X.shape[:-1]))
+
+    def remarks(self, body: HeatCarrier, X: Array) -> list[str]:
+        """On temperatures given to a body that looks as if it were in kelvin, and they in degrees Celsius."""
+        absolute = body.balances_entropy and not looks_celsius(body.start_temperatures)
+        return taken_for_kelvin(self.label, f"the lowest {self.what}", self.checked(X)) if absolute else []
 
     @property
     def kinks(self) -> tuple[float, ...]:
@@ -105,6 +111,9 @@ class PrescribedTemperature(Component):
             raise InputError(f"{self.label}: {error}") from None
         self._values = Values(self.label, "value", self.value)
         self._values.checked(self._places)
+
+    def remarks(self) -> list[str]:
+        return self._values.remarks(self.body, self._places)
 
     @property
     def _places(self) -> Array:
@@ -245,6 +254,9 @@ class Convection(ThroughFaces):
         self._values = Values(self.label, "ambient", self.ambient)
         self._values.checked(self.body.points)
 
+    def remarks(self) -> list[str]:
+        return self._values.remarks(self.body, self.body.points)
+
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
         return self.coefficient * (self._values.at(time, X) - T), np.full_like(T, -self.coefficient)
 
@@ -283,13 +295,11 @@ class Radiation(ThroughFaces):
         self._refuse_below_zero(start, InputError)
 
     def remarks(self) -> list[str]:
-        warmest = max(
-            float(t.max()) for t in (self._values.checked(self.body.points), self.body.start_temperatures)
-        )
-        if self.zero != 0.0 or self.constant != STEFAN_BOLTZMANN or warmest >= 100:
+        found = np.append(self._values.checked(self.body.points), self.body.start_temperatures)
+        if self.zero != 0.0 or self.constant != STEFAN_BOLTZMANN or not looks_celsius(found):
             return []
         return [
-            f"{self.label}: temperatures of {warmest:g} at most radiate as kelvin, as zero = 0; if they are degrees "
+            f"{self.label}: temperatures from {found.min():g} on radiate as kelvin, as zero = 0; if they are degrees "
             "Celsius, give zero = -273.15"
         ]
 

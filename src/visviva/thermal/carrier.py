@@ -17,6 +17,7 @@ from visviva.component.momentum import NOWHERE, Axes
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
 from visviva.model.term import Stencils, Term
+from visviva.thermal.celsius import taken_for_kelvin
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -88,6 +89,10 @@ class HeatCarrier(Component):
     @property
     def outside_axes(self) -> Axes:
         return NOWHERE
+
+    def remarks(self) -> list[str]:
+        said = taken_for_kelvin(self.label, "the lowest one at the start", self.start_temperatures)
+        return [*super().remarks(), *(said if self.balances_entropy else [])]
 
     @property
     @abstractmethod
@@ -182,16 +187,6 @@ class HeatCarrier(Component):
             for of in (self.balance_unknowns(nodes), self.temperature_unknowns(nodes))
         )
         return HeatPort(contents, temperatures, share)
-
-
-def taken_for_kelvin(label: str, warmest: float) -> list[str]:
-    """A remark on temperatures that count from absolute zero and look as if they were in degrees Celsius."""
-    if not 0 < warmest < 100:
-        return []
-    return [
-        f"{label}: its temperatures count from absolute zero, and the highest one at the start is {warmest:g}; if "
-        f"that is in degrees Celsius, give {warmest + 273.15:g} (and a reference in kelvin)"
-    ]
 
 
 class HeatInput(Term):

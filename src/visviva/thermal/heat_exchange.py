@@ -19,6 +19,7 @@ from visviva.mesh.locate import locate
 from visviva.mesh.periodic import refuse_periodic
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier, HeatPort
+from visviva.thermal.celsius import looks_celsius, scales_differ, taken_for_kelvin
 from visviva.thermal.lumps import Lump
 
 if TYPE_CHECKING:
@@ -243,8 +244,12 @@ class HeatExchange(Component):
         """On sides of which one counts from absolute zero and the other looks as if it were in degrees Celsius."""
         ends = self._ends()
         starts = [float(end.of.start_temperatures.mean()) for end in ends]
-        apart = len(ends) == 2 and ends[0].port().balances_heat != ends[1].port().balances_heat
-        if not (apart and min(starts) < 100 and 150 < max(starts) - min(starts) < 450):
+        if self.ambient is not None:
+            around = np.array([self.ambient(0.0)])
+            absolute = not ends[0].port().balances_heat and not looks_celsius(np.array(starts))
+            return taken_for_kelvin(self.label, "the ambient one", around) if absolute else []
+        apart = ends[0].port().balances_heat != ends[1].port().balances_heat
+        if not (apart and scales_differ(min(starts), max(starts))):
             return []
         return [
             f"{self.label}: {ends[0].of.label} begins at {starts[0]:g} and {ends[1].of.label} at {starts[1]:g}; "

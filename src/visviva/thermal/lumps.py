@@ -17,6 +17,7 @@ from visviva.component.values import Number
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import HeatPort
+from visviva.thermal.celsius import taken_for_kelvin
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -64,6 +65,9 @@ class Lump(Component):
     def start_temperatures(self) -> NDArray[np.float64]:
         """The same, as bodies on meshes have it."""
         return np.array([self.start_temperature])
+
+    def remarks(self) -> list[str]:
+        return taken_for_kelvin(self.label, "that at the start", self.start_temperatures)
 
     def declare(self, model: Model) -> None:
         T = self.start_temperature

@@ -26,13 +26,7 @@ from visviva.mesh.quadrature import Rule, mass_rule
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import (
-    EntropyInput,
-    GivenTemperatures,
-    HeatCarrier,
-    Law,
-    taken_for_kelvin,
-)
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
 from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
@@ -141,7 +135,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(f"{self.label}: {beyond}")
 
     def remarks(self) -> list[str]:
-        found = [*super().remarks(), *taken_for_kelvin(self.label, float(self.start_temperatures.max()))]
+        found = super().remarks()
         if not isinstance(self.heat, Heat):
             return found
         number = self.heat.coupling_number(self.body_material, float(self.start_temperatures.mean()))
