@@ -106,9 +106,12 @@ def test_boxes_that_touch_start(place: tuple[float, ...]) -> None:
 
 
 ACROSS = {
-    "rod through plate": ((1, 1, 0.02), (0.05, 0.05, 1), (-0.2, 0.2, 0.3), 0.01),
-    "bars": ((1, 0.1, 0.1), (0.1, 1, 0.1), (-0.2, 0.3, 0.04), 0.04),
-    "plates": ((1, 1, 0.02), (1, 0.02, 1), (0.3, -0.2, 0.3), 0.01),
+    "rod through plate": ((1, 1, 0.02), (0.05, 0.05, 1), (-0.2, 0.2, 0.3), 0.02),
+    "bars": ((1, 0.1, 0.1), (0.1, 1, 0.1), (-0.2, 0.3, 0.04), 0.06),
+    "plates": ((1, 1, 0.02), (1, 0.02, 1), (0.3, -0.2, 0.3), 0.02),
+    "flush bars": ((1, 0.1, 0.1), (0.1, 1, 0.1), (0.2, 0.3, 0), 0.1),
+    "flush plates": ((1, 1, 0.02), (1, 0.02, 1), (0, -0.2, 0.3), 0.02),
+    "equal bars": ((1, 0.1, 0.1), (1, 0.1, 0.1), (0.3, 0, 0), 0.1),
 }
 
 
@@ -117,7 +120,8 @@ ACROSS = {
     "given", [{}, {"enforcement": "penalty"}, {"initial": "press"}], ids=["multipliers", "penalty", "press"]
 )
 def test_boxes_through_each_other_are_refused(name: str, given: dict[str, str]) -> None:
-    """No vertex of one is in the other, nor a middle of a facet: no force acted. Edges lie in it by a known depth."""
+    """No vertex of one is in the other, nor a middle of a facet: no force acted. The least width of what they have in
+    common is known."""
     *sizes, place, depth = ACROSS[name]
     held, through = (
         vv.RigidBody(shape=vv.Box(size=size), density=1e3, position=p)
@@ -125,6 +129,48 @@ def test_boxes_through_each_other_are_refused(name: str, given: dict[str, str]) 
     )
     with pytest.raises(vv.InputError, match=rf"overlap by {depth:.3g} near"):
         started(through, held, stiffness=1e6, **given)
+
+
+SOFT_ACROSS = {
+    "flush bars": ((1, 0.1, 0.1), (3, 1, 1), (0.1, 1, 0.1), (1, 3, 1), (0.2, 0.3, 0), 0.1),
+    "rod through plate": ((0.05, 0.05, 1), (1, 1, 4), (1, 1, 0.02), (4, 4, 1), (0.03, 0.02, 0.1), 0.02),
+    "plate about rod": ((1, 1, 0.02), (4, 4, 1), (0.05, 0.05, 1), (1, 1, 4), (0.03, 0.02, 0.1), 0.02),
+    "plates": ((1, 1, 0.02), (4, 4, 1), (1, 0.02, 1), (4, 1, 4), (0.1, 0.03, 0.1), 0.02),
+}
+
+
+@pytest.mark.parametrize("name", SOFT_ACROSS)
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+@pytest.mark.parametrize("given", [{}, {"enforcement": "penalty"}, {"initial": "press"}])
+def test_solids_through_each_other_are_refused(name: str, formulation: str, given: dict[str, str]) -> None:
+    """No node of one is in the other: no force acted. What they have in common has a known width."""
+    size, counts, other, others, place, width = SOFT_ACROSS[name]
+    centred = tuple(-np.array(size) / 2), tuple(np.array(place) - np.array(other) / 2)
+    bodies = [block(size, counts, centred[0]), block(other, others, centred[1])]
+    with pytest.raises(vv.InputError, match=r"overlap by .* where no gap sees it") as refused:
+        started(*bodies, formulation=formulation, **given)
+    told = float(str(refused.value).split("overlap by ")[1].split()[0])
+    assert 0.8 * width < told <= width * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_boxes_that_touch_start_wherever_they_do(turned: bool) -> None:
+    """Face to face along the whole, past corners, edge on edge and corner on corner, in any orientation."""
+    random = np.random.default_rng(16)
+    for _ in range(60):
+        a, b = random.choice([0.1, 0.5, 1, 2], (2, 3))
+        shares = random.choice([0.0, 1.0, -1.0, 0.3], 3)
+        away = (a + b) / 2 * shares
+        axis = random.integers(3)
+        away[axis] = (a + b)[axis] / 2
+        frame = np.linalg.qr(random.normal(size=(3, 3)))[0] if turned else np.eye(3)
+        frame[:, 0] *= np.linalg.det(frame)
+        bodies = [
+            vv.RigidBody(shape=vv.Box(size=tuple(s)), density=1e3, position=x, rotation=frame)
+            for s, x in ((a, np.zeros(3)), (b, frame @ away))
+        ]
+        contact = vv.Contact(first=bodies[0], second=bodies[1], stiffness=1e6)
+        vv.System([*bodies, contact]).check()
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-9, -1e-9])

@@ -3,6 +3,7 @@
 #include "parts.hpp"
 #include "visviva/contact/contact_heat.hpp"
 #include "visviva/contact/contact_term.hpp"
+#include "visviva/contact/overlap.hpp"
 #include "visviva/contact/search.hpp"
 #include "visviva/contact/segment_points.hpp"
 #include "visviva/contact/tie_term.hpp"
@@ -136,8 +137,19 @@ void bind_skin(nb::module_& m) {
         nb::arg("other_facets"), nb::arg("other_behind"), nb::arg("touched"), nb::arg("reach"));
 }
 
+// The deepest place in two bodies of closed surfaces.
+nb::tuple overlap(const Skin& skin, const Doubles& q, double least) {
+    std::vector<double> places;
+    skin.positions(q.data(), places);
+    const Enclosure one(places, Triangulated(skin, 0, skin.second_begin).triangles),
+        two(places, Triangulated(skin, skin.second_begin, skin.n_facets()).triangles);
+    const DeepPlace found = find_overlap(one, two, least);
+    return nb::make_tuple(found.depth, handed_over({found.place.begin(), found.place.end()}));
+}
+
 void bind_gaps(nb::module_& m) {
     nb::class_<Gaps>(m, "Gaps").def("linearised", linearised);
+    m.def("overlap", overlap, nb::arg("skin"), nb::arg("q"), nb::arg("least"));
     m.def(
         "mortar",
         [](const Skin& skin, double reach, bool axisymmetric, bool dual) {
@@ -241,14 +253,6 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
                 t.watch({skin, limit, least, cure});
             },
             nb::arg("skin"), nb::arg("limit"), nb::arg("least"), nb::arg("cure"))
-        .def(
-            "overlap",
-            [](const ContactTerm& t, const Doubles& q) {
-                const Piercing::Piece piece = t.overlap(q.data());
-                const Eigen::Vector3d& x = piece.place;
-                return std::make_pair(piece.depth, std::vector<double>{x[0], x[1], x[2]});
-            },
-            nb::arg("q"))
         .def(
             "stand_beside",
             [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },

@@ -37,7 +37,7 @@ Refusal ContactTerm::refuse(const Context& c) {
         return refused(vertex_of(A), "the surfaces pass through each other within the step,");
     if (piercing_ && piercing_->outruns(c.vectors.x0, c.vectors.x1))
         return refused(0, "the bodies pass by more of their width than can be followed in a step,");
-    if (Piercing::Piece worst; sinks(c, worst)) {
+    if (DeepPlace worst; sinks(c, worst)) {
         char deep[96];
         std::snprintf(deep, sizeof deep, "the bodies sink into each other by %.3g, unseen by gaps;",
                       worst.depth);
@@ -83,7 +83,7 @@ int ContactTerm::rubs_too_late(const Context& c) const {
     return -1;
 }
 
-bool ContactTerm::sinks(const Context& c, Piercing::Piece& worst) {
+bool ContactTerm::sinks(const Context& c, DeepPlace& worst) {
     if (!piercing_) return false;
     const double seen = std::max(deepest(), beside_ ? beside_->deepest() : 0.0);
     return piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);

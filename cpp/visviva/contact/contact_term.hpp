@@ -90,10 +90,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
     /// Steps in which two rigid bodies sink into each other beside their gaps fail from now on.
     void watch(Piercing piercing) { piercing_ = std::move(piercing); }
-    /// The deepest piece of an edge of one of these bodies that lies in the other one; none of others.
-    Piercing::Piece overlap(const double* q) const {
-        return piercing_ ? piercing_->overlap(q) : Piercing::Piece();
-    }
     /// How deep gaps are closed in the last step.
     double deepest() const;
     /// Another contact of the same bodies, whose gaps see what the watch need not.
@@ -132,7 +128,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Refusal refused(int vertex, const std::string& why) const;
     Refusal refused(const double* place, int vertex, const std::string& why) const;
     int passes(const std::vector<Approach>&, int n_parts);
-    bool sinks(const Context&, Piercing::Piece& worst);
+    bool sinks(const Context&, DeepPlace& worst);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();

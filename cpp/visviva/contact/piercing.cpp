@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "visviva/contact/closest.hpp"
-#include "visviva/contact/search.hpp"
-
 namespace visviva {
 
 namespace {
@@ -16,98 +13,16 @@ constexpr double most_parts = 64;  // of a step, at which bodies are looked at o
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 
-struct Triangle {
-    Vector3 a, b, c;
-    double distance(const Vector3& x) const {
-        FacetShape facet;
-        facet.n = 3, facet.corner[0] = a, facet.corner[1] = b, facet.corner[2] = c;
-        return closest(facet, 0, x).distance;
-    }
-    // Where a line from p meets it, in lengths of its way; below 0 if nowhere.
-    double crossing(const Vector3& p, const Vector3& way) const {
-        constexpr double same = 1e-9;
-        const Vector3 u = b - a, w = c - a, d = p - a, across = way.cross(w), other = d.cross(u);
-        const double det = u.dot(across), first = d.dot(across) / det, second = way.dot(other) / det;
-        const bool meets = det != 0 && first >= -same && second >= -same && first + second <= 1 + same;
-        return meets ? w.dot(other) / det : -1;
-    }
-};
-
-Box around(std::initializer_list<Vector3> points) {
-    Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-    for (const Vector3& p : points) {
-        Box one;
-        for (int i = 0; i < 3; ++i) one.low[i] = one.high[i] = p[i];
-        box.include(one);
-    }
-    return box;
-}
-
-// A closed surface in one configuration.
-struct Body {
-    std::vector<Triangle> triangles;
-    BoxTree tree;
-
-    Body(const std::vector<double>& X, const std::vector<int>& vertices) {
-        std::vector<Box> boxes;
-        std::vector<double> centres;
-        for (std::size_t k = 0; k < vertices.size(); k += 3) {
-            const int* v = &vertices[k];
-            const Triangle t{At(&X[3 * v[0]]), At(&X[3 * v[1]]), At(&X[3 * v[2]])};
-            const Vector3 centre = (t.a + t.b + t.c) / 3;
-            triangles.push_back(t), boxes.push_back(around({t.a, t.b, t.c}));
-            centres.insert(centres.end(), centre.data(), centre.data() + 3);
-        }
-        tree.build(centres), tree.refit(boxes);
-    }
-
-    // Depth of a place; 0 outside, which is told by how often a line from there meets the surface. It lies
-    // along no edge that a body is likely to have.
-    double depth(const Vector3& x) const {
-        const Vector3 away(0.26713, 0.53691, 0.80037);
-        int meets = 0;
-        tree.query(Ray{x.data(), away.data()}, [&](int k) {
-            meets += triangles[k].crossing(x, away) > 0;
-            return HUGE_VAL;
-        });
-        double least = HUGE_VAL;
-        for (const Triangle& t : triangles)
-            if (meets % 2) least = std::min(least, t.distance(x));
-        return meets % 2 ? least : 0;
-    }
-
-    // The ends of an edge, and where it passes through the surface, as parts of its length in ascending
-    // order.
-    void cut(const Vector3& p, const Vector3& way, std::vector<double>& cuts) const {
-        std::vector<int> near;
-        tree.query(around({p, p + way}), near);
-        cuts.assign({0, 1});
-        for (int k : near)
-            if (const double s = triangles[k].crossing(p, way); s > 0 && s < 1) cuts.push_back(s);
-        std::sort(cuts.begin(), cuts.end());
-    }
-};
-
 }  // namespace
 
 Piercing::Piercing(Skin skin, double limit, double least, std::string cure)
-    : skin_(std::move(skin)), limit_(limit), least_(least), cure_(std::move(cure)) {
-    for (int f = 0; f < skin_.n_facets(); ++f) add(f, sides_[f < skin_.second_begin ? 0 : 1]);
-    for (Side& side : sides_) {
-        std::sort(side.edges.begin(), side.edges.end());
-        side.edges.erase(std::unique(side.edges.begin(), side.edges.end()), side.edges.end());
-    }
-}
+    : skin_(std::move(skin)),
+      limit_(limit),
+      least_(least),
+      cure_(std::move(cure)),
+      sides_{{skin_, 0, skin_.second_begin}, {skin_, skin_.second_begin, skin_.n_facets()}} {}
 
-void Piercing::add(int facet, Side& side) const {
-    const int n = skin_.n_corners(facet);
-    const int* corner = skin_.corners(facet);
-    for (int i = 0; i < n; ++i) side.edges.push_back(std::minmax({corner[i], corner[(i + 1) % n]}));
-    for (int i = 2; i < n; ++i)
-        side.triangles.insert(side.triangles.end(), {corner[0], corner[i - 1], corner[i]});
-}
-
-bool Piercing::sinks(const double* q0, const double* q1, double seen, Piece& worst) {
+bool Piercing::sinks(const double* q0, const double* q1, double seen, DeepPlace& worst) {
     constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
     std::vector<double> X0, X1;
     skin_.positions(q0, X0), skin_.positions(q1, X1);
@@ -172,19 +87,8 @@ bool Piercing::outruns(const double* q0, const double* q1) const {
     return parts_of(X0, X1) > most_parts;
 }
 
-Piercing::Piece Piercing::overlap(const double* q) const {
-    std::vector<double> X;
-    skin_.positions(q, X);
-    Piece found;
-    if (parts_of(X, X) == 0) return found;
-    each_part(X, [&](const Part& part, double, const Vector3& place) {
-        if (part.depth > std::max(limit_, found.depth)) found = {part.depth, place};
-    });
-    return found;
-}
-
-Piercing::Piece Piercing::deepest(const std::vector<double>& X) const {
-    Piece found;
+DeepPlace Piercing::deepest(const std::vector<double>& X) const {
+    DeepPlace found;
     each_part(X, [&](const Part& part, double length, const Vector3& place) {
         const double more = part.depth - given(part, length);
         if (more > found.depth) found = {more, place};
@@ -197,8 +101,8 @@ template <class F>
 void Piercing::each_part(const std::vector<double>& X, F take) const {
     std::vector<double> cuts;
     for (int side : {0, 1}) {
-        const Body body(X, sides_[1 - side].triangles);
-        const Edges& edges = sides_[side].edges;
+        const Enclosure body(X, sides_[1 - side].triangles);
+        const auto& edges = sides_[side].edges;
         for (int k = 0; k < static_cast<int>(edges.size()); ++k) {
             const Vector3 p = At(&X[3 * edges[k].first]), way = At(&X[3 * edges[k].second]) - p;
             body.cut(p, way, cuts);

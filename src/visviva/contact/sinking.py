@@ -9,7 +9,8 @@ import numpy as np
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
-from visviva.contact.contact_surface import Surface, of_vectors, skin, surface_of
+from visviva.component.point import Attachable
+from visviva.contact.contact_surface import Surface, mesh_bodies, of_vectors, skin, surface_of
 from visviva.contact.obstacle import Obstacle
 
 if TYPE_CHECKING:
@@ -63,8 +64,12 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = whole_surface(contact, first), whole_surface(contact, second)
     least = min(narrowest(side) for side in sides)
-    unseen = UNSEEN * least * (FLEXIBLE if isinstance(second, Solid) else 1)
-    term.watch(skin(*sides, sees=False), unseen, least, _cure(contact, pairing))
+    term.watch(skin(*sides, sees=False), unseen(least, first, second), least, _cure(contact, pairing))
+
+
+def unseen(least: float, *bodies: Attachable | Obstacle) -> float:
+    """How deep bodies of this least width may be in each other where no gap sees it."""
+    return UNSEEN * least * (FLEXIBLE if mesh_bodies(*bodies) else 1)
 
 
 def rubs_by_springs(contact: Contact) -> bool:
@@ -81,7 +86,7 @@ def narrowest(surface: Surface) -> float:
     return min(float(thick[order[min(most, len(order) - 1)]]), across) if len(order) else across
 
 
-def whole_surface(contact: Contact, body: Second) -> Surface:
+def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
     """The whole surface of a side, as facets."""
     if not isinstance(body, Obstacle):
         return surface_of(body, "all", contact.label)

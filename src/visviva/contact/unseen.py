@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.body.mesh_body import MeshBody
 from visviva.body.rigid import RigidBody
 from visviva.component.point import Attachable
 from visviva.contact.bars import is_bar
-from visviva.contact.contact_surface import mesh_bodies, positions, surface_of, where_of
-from visviva.contact.sinking import watched
+from visviva.contact.contact_surface import mesh_bodies, positions, skin, surface_of, where_of
+from visviva.contact.obstacle import Obstacle
+from visviva.contact.sinking import narrowest, unseen, watched, whole_surface
 from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
@@ -25,6 +27,8 @@ Side = tuple[Attachable, str | Faces]
 """A body and which part of its surface."""
 SEEN = 0.99
 """Part of the reach up to which facets see each other for sure."""
+ROUNDING = 1e-9
+"""Part of a depth that is nothing in the place where it is."""
 
 
 def refuse_unseen(contact: Contact, reach: float, x: Array) -> None:
@@ -48,24 +52,25 @@ def refuse_unseen(contact: Contact, reach: float, x: Array) -> None:
 
 
 def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
-    """Refuse rigid bodies that lie in each other, at `x`, deeper than `seen`, the depth that their gaps have.
+    """Refuse bodies that lie in each other, at `x`, though no gap of theirs is closed deeper than `seen`.
 
-    Vertices and edges that lie on the sides of the other body, as of boxes that are flush, are not in it. Edges that
-    pass through the other one, as of a rod through a plate, with no vertex and no facet's middle in it, count from the
-    depth on that steps may not sink by unseen. Those of faces that are named may do so on purpose, as at a hinge.
+    Vertices and edges that lie on the sides of the other body, as of boxes that are flush, are not in it, and those of
+    a rod through a plate are beside it. Surfaces that cross count from the depth on that steps may not sink by unseen.
+    Those of faces that are named may do so on purpose, as at a hinge.
     """
-    pairing = watched(contact)
-    if pairing is None:
-        return
-    if (contact.first_faces, contact.second_faces) == ("all", "all"):
-        depth, place = contact.term.overlap(x)
+    bodies = _closed(contact)
+    if bodies and (contact.first_faces, contact.second_faces) == ("all", "all"):
+        sides = [whole_surface(contact, body) for body in bodies]
+        deep = unseen(min(narrowest(side) for side in sides), *bodies)
+        depth, place = _core.overlap(skin(*sides, sees=False), x, 0.5 * deep)
         if depth > 0:
-            told = _told(contact, contact.first.label, pairing[1].label, depth, place)
+            told = _told(contact, bodies[0].label, bodies[1].label, 2 * depth, place)
             raise InputError(
-                f"{told}, where edges of one pass through the other, which no gap sees, so that nothing would hold "
-                "them apart; move one of them, or name first_faces and second_faces where they overlap on purpose"
+                f"{told}, where no gap sees it, so that nothing would hold them apart; move one of them, or name "
+                "first_faces and second_faces where they overlap on purpose"
             )
-    if contact.is_mortar or not isinstance(pairing[1], RigidBody):
+    pairing = watched(contact)
+    if pairing is None or contact.is_mortar or not isinstance(pairing[1], RigidBody):
         return
     for _, told in _overlaps(contact, pairing[1], seen, x):
         raise InputError(
@@ -74,8 +79,24 @@ def refuse_hidden(contact: Contact, seen: float, x: Array) -> None:
         )
 
 
-def _told(contact: Contact, own: str, other: str, depth: float, place: Iterable[float]) -> str:
-    near = ", ".join(f"{c:.4g}" for c in place)
+def _closed(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | None:
+    """Both sides, if they enclose something in space and are not exact as a ball's are."""
+    first, second = contact.first, contact.second
+    feelers = first.feelers()
+    is_ball = feelers is not None and len(feelers[0]) == 1 and not contact.is_mortar
+    if is_ball or first is second or not isinstance(second, Attachable | Obstacle):
+        return None
+    return (first, second) if _encloses(first) and _encloses(second) else None
+
+
+def _encloses(body: Attachable | Obstacle) -> bool:
+    if isinstance(body, MeshBody):
+        return body.grid.dimension == 3
+    return isinstance(body, Obstacle) or (isinstance(body, RigidBody) and body.shape is not None)
+
+
+def _told(contact: Contact, own: str, other: str, depth: float, place: Array) -> str:
+    near = ", ".join(f"{c:.4g}" for c in np.where(np.abs(place) > ROUNDING * depth, place, 0.0))
     return f"{contact.label}: {own} and {other} overlap by {depth:.3g} near ({near}) at the start"
 
 

@@ -1,0 +1,108 @@
+#include "visviva/contact/enclosure.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "visviva/contact/closest.hpp"
+
+namespace visviva {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using At = Eigen::Map<const Vector3>;
+
+}  // namespace
+
+Triangulated::Triangulated(const Skin& skin, int begin, int end) {
+    for (int f = begin; f < end; ++f) {
+        const int n = skin.n_corners(f);
+        const int* corner = skin.corners(f);
+        for (int i = 0; i < n; ++i) edges.push_back(std::minmax({corner[i], corner[(i + 1) % n]}));
+        for (int i = 2; i < n; ++i) triangles.insert(triangles.end(), {corner[0], corner[i - 1], corner[i]});
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+double Triangle::distance(const Vector3& x) const {
+    FacetShape facet;
+    facet.n = 3, facet.corner[0] = a, facet.corner[1] = b, facet.corner[2] = c;
+    return closest(facet, 0, x).distance;
+}
+
+double Triangle::crossing(const Vector3& p, const Vector3& way) const {
+    constexpr double same = 1e-9;
+    const Vector3 u = b - a, w = c - a, d = p - a, across = way.cross(w), other = d.cross(u);
+    const double det = u.dot(across), first = d.dot(across) / det, second = way.dot(other) / det;
+    const bool meets = det != 0 && first >= -same && second >= -same && first + second <= 1 + same;
+    return meets ? w.dot(other) / det : -1;
+}
+
+Box around(std::initializer_list<Vector3> points) {
+    Box box{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (const Vector3& p : points) {
+        Box one;
+        for (int i = 0; i < 3; ++i) one.low[i] = one.high[i] = p[i];
+        box.include(one);
+    }
+    return box;
+}
+
+Enclosure::Enclosure(const std::vector<double>& X, const std::vector<int>& triangles) {
+    std::vector<Box> boxes;
+    std::vector<double> centres;
+    for (std::size_t k = 0; k < triangles.size(); k += 3) {
+        const int* v = &triangles[k];
+        const Triangle t{At(&X[3 * v[0]]), At(&X[3 * v[1]]), At(&X[3 * v[2]])};
+        const Vector3 centre = (t.a + t.b + t.c) / 3;
+        triangles_.push_back(t), boxes.push_back(around({t.a, t.b, t.c}));
+        centres.insert(centres.end(), centre.data(), centre.data() + 3);
+    }
+    tree_.build(centres), tree_.refit(boxes);
+}
+
+// Told by how often a line from there meets the surface. It lies along no edge that a body is likely to have.
+bool Enclosure::holds(const Vector3& x) const {
+    const Vector3 away(0.26713, 0.53691, 0.80037);
+    int meets = 0;
+    tree_.query(Ray{x.data(), away.data()}, [&](int k) {
+        meets += triangles_[k].crossing(x, away) > 0;
+        return HUGE_VAL;
+    });
+    return meets % 2;
+}
+
+double Enclosure::depth(const Vector3& x, double least) const {
+    std::vector<int> beside;
+    if (least > 0) near(around({x.array() - least, x.array() + least}), beside);
+    for (int k : beside)
+        if (triangles_[k].distance(x) <= least) return 0;
+    if (!holds(x)) return 0;
+    double depth = HUGE_VAL;
+    for (const Triangle& t : triangles_) depth = std::min(depth, t.distance(x));
+    return depth;
+}
+
+void Enclosure::cut(const Vector3& p, const Vector3& way, std::vector<double>& cuts) const {
+    std::vector<int> beside;
+    near(around({p, p + way}), beside);
+    cuts.assign({0, 1});
+    for (int k : beside)
+        if (const double s = triangles_[k].crossing(p, way); s > 0 && s < 1) cuts.push_back(s);
+    std::sort(cuts.begin(), cuts.end());
+}
+
+double Enclosure::exit(const Vector3& p, const Vector3& way) const {
+    constexpr double here = 1e-9;
+    double least = HUGE_VAL;
+    tree_.query(Ray{p.data(), way.data()}, [&](int k) {
+        const double s = triangles_[k].crossing(p, way);
+        if (s > here && s < least && triangles_[k].normal().dot(way) > 0) least = s;
+        return least;
+    });
+    return least;
+}
+
+}  // namespace visviva
