@@ -73,7 +73,6 @@ def print_partitions(n_cells: int, most: int) -> None:
 def print_solution(n_cells: int) -> None:
     """Messages, bytes and reductions of an iteration, by the log of PETSc."""
     from petsc4py import PETSc
-    from visviva_petsc import Petsc
 
     PETSc.Log.begin()
     n = round(n_cells ** (1 / 3))
@@ -81,7 +80,7 @@ def print_solution(n_cells: int) -> None:
         mesh=vv.BoxMesh(size=(1, 1, 1), counts=(n, n, n)), material=vv.NeoHooke(young=1000.0, poisson=0.3)
     )
     pull = vv.Traction(solid=solid, faces="x1", traction=(0, 0, -20.0), times="t")
-    newton = vv.Newton(linear=Petsc())
+    newton = vv.Newton(linear=vv.Petsc())
     system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), pull], newton=newton)
     start = time.perf_counter()
     vv.quasi_static(system, until=1.0, step=1.0)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from visviva_petsc.choice import Petsc as Petsc
+    from visviva.linear.choice import Choice, Problem
     from visviva_petsc.world import World
 
 __version__ = "0.2.0"
-SEAM = 1
+SEAM = 2
 """Version of visviva's ``base/world.py`` that this package goes with."""
-__all__ = ["Petsc", "join"]
+__all__ = ["choose", "join"]
 
 
 def join() -> World:
@@ -29,9 +29,8 @@ def join() -> World:
     return world
 
 
-def __getattr__(name: str) -> Any:
-    if name == "Petsc":
-        from visviva_petsc.choice import Petsc
+def choose(problem: Problem, given: dict[str, str]) -> Choice:
+    """Solvers of PETSc for a problem, with options of the user."""
+    from visviva_petsc.choice import choose as chosen
 
-        return Petsc
-    raise AttributeError(name)
+    return chosen(problem, given)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -14,9 +12,12 @@ from petsc4py import PETSc
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.base.world import world
-from visviva.linear.choice import Choice, Direct, LinearOptions, Problem, Temperatures
+from visviva.linear.choice import Choice, Direct, Problem, Temperatures
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
+from visviva_petsc.trial import refuse_unknown
+
+Options = dict[str, str]
 
 MULTIGRID = {
     "pc_type": "gamg",
@@ -25,67 +26,57 @@ MULTIGRID = {
     "mg_levels_pc_type": "jacobi",
 }
 """Aggregates of nodes on the rigid motions of solids."""
-LOOSE, FEW = "1e-3", "100"
-"""Iterations that conjugate gradients may take at short steps, and their tolerance: Newton goes on anyway."""
+CLOSE = {"ksp_rtol": "1e-6", "ksp_max_it": "200"}
+LOOSE = {"ksp_rtol": "1e-3", "ksp_max_it": "100"}
+"""Of conjugate gradients at short steps, where Newton goes on anyway."""
 FACTORS = ("mumps", "superlu_dist")
 """Packages that factor what processes share, in the order of preference."""
 REFINED = {"ksp_type": "gmres", "ksp_rtol": "1e-12", "ksp_max_it": "20"}
 """Iterations that make up for pivots that were moved."""
 
 
-@dataclass(frozen=True)
-class Petsc(LinearOptions):
-    """Solve by PETSc: in one process, or in all that share the system.
+def choose(problem: Problem, given: Options) -> Choice:
+    """Solvers for a problem; options of the user go before those of this module.
 
-    Solids by conjugate gradients with aggregation multigrid (GAMG) on their rigid motions, in short time steps with
-    blocks of nodes first; where that fails by GMRES with the same. Heat alone by multigrid as well. Everything else by
-    factors: of MUMPS or SuperLU_DIST, if PETSc was built with them, else of the whole matrix in the first process.
-
-    Parameters
-    ----------
-    options : str
-        Of PETSc, such as ``"-ksp_view -ksp_rtol 1e-8"``; they go before those that are chosen here.
-
-    Examples
-    --------
-    >>> import visviva as vv
-    >>> from visviva_petsc import Petsc
-    >>> rubber, mesh = vv.NeoHooke(young=1e3, poisson=0.3), vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
-    >>> block = vv.Solid(mesh=mesh, material=rubber)
-    >>> newton = vv.Newton(linear=Petsc("-ksp_rtol 1e-8"))
-    >>> system = vv.System([block, vv.Fixed(solid=block, nodes="x0")], newton=newton)
-    >>> "PETSc" in system.linear_explanation
-    True
+    Raises
+    ------
+    InputError
+        If none of them takes an option.
     """
-
-    options: str = ""
-
-    is_shared = True
-
-    def __post_init__(self) -> None:
-        settings(self.options)
-
-    def choose(self, problem: Problem) -> Choice:
-        """Solvers for a problem."""
-        problem = world().first(problem)  # each knows a part of it
-        methods = []
-        solid = problem.is_definite and problem.has_modes and not problem.n_multipliers
-        if solid and problem.has_inertia:
-            few = {"ksp_type": "cg", "pc_type": "pbjacobi", "ksp_rtol": LOOSE, "ksp_max_it": FEW}
-            methods.append(("conjugate gradients with blocks of nodes", few))
-        if solid or (problem.temperatures is Temperatures.ALONE and not problem.n_multipliers):
-            to = {"ksp_rtol": "1e-6", "ksp_max_it": "200"}
-            if not problem.nearly:
-                methods.append(("conjugate gradients with multigrid", {"ksp_type": "cg", **MULTIGRID, **to}))
-            methods.append(("GMRES with multigrid", {"ksp_type": "gmres", **MULTIGRID, **to}))
-        given = settings(self.options)
-        choices = [chosen(name, {**options, **given}) for name, options in methods]
-        direct, by = factors(problem)
-        text = "; should it not converge, ".join([*(name for name, _ in methods), by])
-        return Choice((*choices, *direct), f"PETSc {version()}: {text}")
+    problem = world().first(problem)  # each knows a part of it
+    methods = methods_for(problem)
+    if not methods and given.keys() & {"ksp_type", "pc_type"}:
+        methods = [("what -ksp_type and -pc_type say", {"ksp_type": "gmres", **CLOSE})]
+    if shared := next((name for name in FACTORS if PETSc.Sys.hasExternalPackage(name)), ""):
+        options = {"pc_type": "lu", "pc_factor_mat_solver_type": shared, **REFINED}
+        methods.append((f"factors of {shared}", options))
+    methods = [(name, {**options, **given}) for name, options in methods]
+    refuse_unknown(methods, given)
+    choices, names = [chosen(*method) for method in methods], [name for name, _ in methods]
+    if not shared:
+        direct, by = factors_of_core(problem)
+        choices, names = [*choices, *direct], [*names, by]
+    text = "; should it not converge, ".join(names)
+    if given:
+        text += ", with " + " ".join(f"-{name} {value}".strip() for name, value in given.items())
+    return Choice(tuple(choices), f"PETSc {version()}: {text}")
 
 
-def chosen(name: str, options: dict[str, str]) -> _core.LinearChoice:
+def methods_for(problem: Problem) -> list[tuple[str, Options]]:
+    """Iterations that solve the equations in less than factors would, in their order."""
+    methods: list[tuple[str, Options]] = []
+    solid = problem.is_definite and problem.has_modes and not problem.n_multipliers
+    if solid and problem.has_inertia:
+        few = {"ksp_type": "cg", "pc_type": "pbjacobi", **LOOSE}
+        methods.append(("conjugate gradients with blocks of nodes", few))
+    if solid or (problem.temperatures is Temperatures.ALONE and not problem.n_multipliers):
+        if not problem.nearly:
+            methods.append(("conjugate gradients with multigrid", {"ksp_type": "cg", **MULTIGRID, **CLOSE}))
+        methods.append(("GMRES with multigrid", {"ksp_type": "gmres", **MULTIGRID, **CLOSE}))
+    return methods
+
+
+def chosen(name: str, options: Options) -> _core.LinearChoice:
     """What the core is told."""
     return outside(partial(Solver, name, options))
 
@@ -98,45 +89,12 @@ def outside(make: Callable[[], Any]) -> _core.LinearChoice:
     return choice
 
 
-def factors(problem: Problem) -> tuple[list[_core.LinearChoice], str]:
-    """Factors by a package that PETSc was built with, else by those of the core in the first process."""
-    name = next((name for name in FACTORS if PETSc.Sys.hasExternalPackage(name)), "")
-    if name:
-        options = {"pc_type": "lu", "pc_factor_mat_solver_type": name, **REFINED}
-        return [chosen(f"factors of {name}", options)], f"factors of {name}"
+def factors_of_core(problem: Problem) -> tuple[list[_core.LinearChoice], str]:
+    """Factors of the core; of several processes in the first."""
     direct = Direct().choose(problem)
     if world().size == 1:
         return list(direct.in_order), direct.explanation
     return [outside(partial(Gathered, direct.in_order))], "factors in the first process"
-
-
-def settings(options: str) -> dict[str, str]:
-    """Names and values of options as PETSc writes them.
-
-    Raises
-    ------
-    InputError
-    """
-    found: dict[str, str] = {}
-    name = ""
-    for word in shlex.split(options):
-        if word.startswith("-") and not is_number(word):
-            name = word.removeprefix("-")
-            found[name] = ""
-        elif name and not found[name]:
-            found[name] = word
-        else:
-            raise InputError(f"options of PETSc {options!r}: {word!r} belongs to no -name")
-    return found
-
-
-def is_number(word: str) -> bool:
-    """Whether a word is one."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def version() -> str:

@@ -68,8 +68,10 @@ class Solver:
         if (block := block_size(comm, node)) > 1:
             self.A.setBlockSize(block)
         self.A.setType("aij")
-        rows = np.repeat(self.equation, np.diff(row))
-        self.A.setPreallocationCOO(rows, self.equation[col])  # which works in what it is given
+        rows, columns = np.repeat(self.equation, np.diff(row)), self.equation[col]
+        self.lacking = np.setdiff1d(self.equation[own], rows[rows == columns])  # factors want a diagonal
+        rows, columns = (np.concatenate([part, self.lacking]) for part in (rows, columns))
+        self.A.setPreallocationCOO(rows, columns)  # which works in what it is given
         self.r, self.d = self.A.createVecLeft(), self.A.createVecRight()
         self.near = PETSc.Vec().createSeq(len(unknown), comm=PETSc.COMM_SELF)
         numbers = PETSc.IS().createGeneral(self.equation, comm=PETSc.COMM_SELF)
@@ -101,9 +103,13 @@ class Solver:
 
     def factor(self, values: Array) -> bool:
         """Take the values of the matrix; whatever is made of them is made before the first solution."""
-        self.A.setValuesCOO(values)
+        self.A.setValuesCOO(np.pad(values, (0, len(self.lacking))) if len(self.lacking) else values)
         self.ksp.setOperators(self.A)
-        self.ksp.setUp()
+        try:
+            self.ksp.setUp()
+        except PETSc.Error as error:  # of solvers that do not suit the matrix; all processes meet the same
+            self.message = told(error)
+            return False
         failed = self.ksp.getPC().getFailedReason()
         self.message = f"its preconditioner failed ({failed})" if failed else ""
         return not failed
@@ -150,3 +156,9 @@ def block_size(comm: Any, node: Ints) -> int:
     least, most = (int(sizes.min()), int(sizes.max())) if len(sizes) else (2**30, 0)
     least, most = comm.allreduce(least, MPI.MIN), comm.allreduce(most, MPI.MAX)
     return most if least == most else 1
+
+
+def told(error: PETSc.Error) -> str:
+    """What PETSc says of an error, without where."""
+    lines = str(error).splitlines()[1:]  # [process] and text
+    return "; ".join(line.partition("] ")[2].strip() for line in lines if "() at " not in line)

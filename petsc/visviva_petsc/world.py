@@ -75,12 +75,6 @@ class World:
         """What the core of a system is told of them."""
         return Owners(self)
 
-    def solver(self) -> Any:
-        """Choice of linear solvers."""
-        from visviva_petsc.choice import Petsc
-
-        return Petsc()
-
 
 class Owners:
     """Who owns which unknowns of one system: of those that have an equation for it the first process."""

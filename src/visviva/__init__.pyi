@@ -52,6 +52,7 @@ from .joint.lower_pairs import (
     Universal,
 )
 from .linear.choice import Automatic, Direct, Iterative
+from .linear.petsc import Petsc
 from .linear.staggered import Staggered
 from .load.bushing import Bushing
 from .load.distributed import BodyForce
@@ -294,6 +295,7 @@ __all__ = [
     "Ogden",
     "Outlet",
     "PeriodicFaces",
+    "Petsc",
     "PhaseEnergy",
     "PhaseVolume",
     "Pictures",

@@ -29,6 +29,7 @@ from visviva.cli_options import (
     Out,
     Outside,
     Overwrite,
+    PetscOptions,
     Profiled,
     Project,
     Resume,
@@ -87,6 +88,7 @@ def run(
     resume: Resume = False,
     force: Force = False,
     threads: Threads = None,
+    petsc: PetscOptions = None,
     time_limit: TimeGiven = None,
     profile: Profiled = False,
     every: Every = None,
@@ -108,11 +110,10 @@ def run(
     refuse_unaware()
     use_threads(threads)
     if resume and overwrite:
-        raise InputError(
-            "--resume and --overwrite exclude each other: continue the earlier run, or delete it"
-        )
+        raise InputError("--resume and --overwrite exclude each other: continue that run, or delete it")
     directory = out or Path("runs") / Path(model).name  # a scene's ending keeps it from an example's
     changes = {"until": until, "step": step, "scheme": scheme, "adaptive": adaptive, "fields": fields}
+    changes["petsc"] = petsc
     given = {key: value for key, value in changes.items() if value is not None}
     parameters = assignments(settings)
     if resume:

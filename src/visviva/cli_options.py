@@ -121,6 +121,14 @@ Threads = Annotated[
         converter=whole, help="Threads, as many as cores may be used if not given; results are the same bits."
     ),
 ]
+PetscOptions = Annotated[
+    str | None,
+    Parameter(
+        name="--petsc",
+        allow_leading_hyphen=True,
+        help="Solve by PETSc (visviva-petsc), with these of its options: --petsc '-ksp_view -ksp_rtol 1e-8', or ''.",
+    ),
+]
 TimeGiven = Annotated[
     float | None,
     Parameter(

@@ -28,4 +28,4 @@ def launched(n: int, *arguments: str) -> subprocess.CompletedProcess[str]:
     if n:
         command = [str(shutil.which("mpiexec", path=BESIDE)), "-n", str(n), *command]
     environment = os.environ | YIELDING | {"PYTHONPATH": paths}
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=900, check=False)

@@ -23,14 +23,13 @@ OPTIONS = """
 import gc
 from petsc4py import PETSc
 import visviva as vv
-from visviva_petsc import Petsc
 
 def run():
     rubber, mesh = vv.NeoHooke(young=1e3, poisson=0.3), vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
     block = vv.Solid(mesh=mesh, material=rubber)
     pull = vv.Traction(solid=block, faces="x1", traction=(1, 0, 0), times="t")
     parts = [block, vv.Fixed(solid=block, nodes="x0"), pull]
-    system = vv.System(parts, newton=vv.Newton(linear=Petsc("-ksp_rtol 1e-8")))
+    system = vv.System(parts, newton=vv.Newton(linear=vv.Petsc("-ksp_rtol 1e-8")))
     vv.simulate(system, until=1.0, step=0.5, scheme=vv.Static())
     return ours()
 
@@ -45,6 +44,69 @@ print(there > 0, ours())
 
 def test_options_of_petsc_go_with_their_solver(tmp_path: Path) -> None:
     assert said(0, OPTIONS, tmp_path).split() == ["True", "0"]
+
+
+UNKNOWN = """
+import visviva as vv
+from visviva.base.world import world
+from visviva.linear.choice import Problem
+from visviva_petsc.choice import choose
+
+solid, joints = Problem(n=54, n_entries=1800, symmetric=True, definite=True, has_modes=True), Problem(n=9, n_entries=27)
+for problem, options in (
+    (solid, "-ksp_rtol 1e-9 -ksp_view -mg_levels_ksp_max_it 3 -mg_levels_4_pc_type sor"),
+    (solid, "-ksp_rtol 1e-9 -ksp_rtoll 1e-9 -log_view"),
+    (solid, "-ksp_rtol much"),
+    (solid, "-pc_type nonsense"),
+    (joints, "-ksp_rtol 1e-9"),
+    (joints, "-ksp_rtol 1e-9 -pc_type lu"),
+):
+    try:
+        told = vv.Petsc(options).choose(problem).explanation.split(", with ")[1]
+    except vv.InputError as error:
+        told = str(error)
+    if world().rank == 0:
+        print(told)
+"""
+
+
+def test_options_that_no_solver_takes_are_refused_by_name(tmp_path: Path) -> None:
+    for n in (0, 2):
+        told = said(n, UNKNOWN, tmp_path).splitlines()
+        assert "-mg_levels_4_pc_type sor" in told[0]
+        assert "no solver here takes -ksp_rtoll, -log_view (" in told[1]
+        assert "much has no numeric value" in told[2]
+        assert "PC type nonsense" in told[3]
+        if not n:  # factors that processes share would take it
+            assert "no solver here takes -ksp_rtol (here are: factors of the core alone)" in told[4]
+        assert "-pc_type lu" in told[5]
+
+
+JOINTED = """
+import numpy as np
+import visviva as vv
+
+def solved(linear):
+    rubber, mesh = vv.NeoHooke(young=100, poisson=0.3), vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    solid = vv.Solid(mesh=mesh, material=rubber, density=1)
+    body = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1.5, 0.5, 0.5))
+    held = vv.RigidCoupling(solid=solid, faces="x1")
+    joint = vv.Rigid(a=held, b=body, at=(1.2, 0.5, 0.5))
+    parts = [solid, body, held, joint, vv.Fixed(solid=solid, nodes="x0"), vv.Gravity()]
+    system = vv.System(parts, newton=vv.Newton(linear=linear))
+    start = system.x.copy()
+    vv.simulate(system, until=0.2, step=0.05)
+    return system, start
+
+(system, start), (own, _) = solved(vv.Petsc("-pc_type lu -pc_factor_shift_type nonzero")), solved(vv.Direct())
+moving = own.order > 0
+print(np.abs(system.x - own.x)[moving].max() < 1e-10 * np.abs(own.x - start)[moving].max(), system.core.solver)
+"""
+
+
+def test_joints_are_solved_by_what_the_user_names(tmp_path: Path) -> None:
+    """Their equations have no diagonal, which factors want to find."""
+    assert said(0, JOINTED, tmp_path).split()[:2] == ["True", "PETSc:"]
 
 
 PIECES = """

@@ -94,6 +94,18 @@ def test_contact_and_flow_go_on_with_another_number_of_processes(
     assert differences(tmp_path / "alone", tmp_path / "run") < 1e-11
 
 
+def test_options_of_petsc_come_from_the_command_line(alone: Path, tmp_path: Path) -> None:
+    for n in (0, 2):
+        told = torus(
+            n, tmp_path / str(n), "--until", "0.08", "--petsc", "-ksp_rtol 1e-9 -ksp_converged_reason"
+        )
+        assert "solve converged due to CONVERGED_RTOL" in told
+        assert differences(alone, tmp_path / str(n)) < 1e-11
+    refused = launched(2, *TORUS, "--petsc", "-ksp_rtoll 1e-9", "--out", str(tmp_path / "no"))
+    assert refused.returncode == 2
+    assert refused.stderr.count("no solver here takes -ksp_rtoll") == 1
+
+
 def test_what_all_processes_refuse_is_told_once() -> None:
     done = launched(2, "-m", "visviva", "run", "torus", "--set", "counts=[0, 8, 1]")
     assert done.returncode == 2

@@ -13,8 +13,8 @@ from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
 
-SEAM = 1
-"""Version of what a package that brings processes together has to offer: `World`, and its solvers."""
+SEAM = 2
+"""Version of what a package that brings processes together has to offer: `World`, and solvers by ``choose``."""
 PACKAGE = "visviva_petsc"
 
 
@@ -54,9 +54,6 @@ class World(Protocol):
     def of_core(self) -> Any:
         """The object by which the core of a system communicates with the other processes."""
 
-    def solver(self) -> Any:
-        """Choice of linear solvers, as `Newton` takes it."""
-
 
 class Alone:
     """One process."""
@@ -93,10 +90,6 @@ class Alone:
         """Nothing has to be told."""
         return None
 
-    def solver(self) -> Any:
-        """Nothing has to be chosen."""
-        return None
-
 
 _joined: list[World] = []
 
@@ -122,12 +115,27 @@ def joined() -> World:
 def _found() -> World:
     if processes.n_told() <= 1 or importlib.util.find_spec(PACKAGE) is None:
         return Alone()
+    joined: World = brought("several processes").join()
+    processes.world = joined.size
+    return joined if joined.size > 1 else Alone()
+
+
+def brought(what: str) -> Any:
+    """The package that brings processes together, and PETSc.
+
+    Raises
+    ------
+    InputError
+        If it is missing, or has another seam.
+    """
+    if importlib.util.find_spec(PACKAGE) is None:
+        raise InputError(
+            f"{what}: needs visviva-petsc, which is not installed; docs/howto/many_processes.rst has its two commands"
+        )
     package = importlib.import_module(PACKAGE)
     if package.SEAM != SEAM:
         raise InputError(
             f"{PACKAGE} {package.__version__} goes with another version of visviva (seam {package.SEAM}, here {SEAM}); "
             "install both of the same release"
         )
-    joined: World = package.join()
-    processes.world = joined.size
-    return joined if joined.size > 1 else Alone()
+    return package

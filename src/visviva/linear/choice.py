@@ -242,7 +242,7 @@ class Choice:
 
 
 class LinearOptions(metaclass=Validated):
-    """Choice of the linear solver; `Automatic`, `Direct`, `Iterative` or `Staggered`."""
+    """Choice of the linear solver; `Automatic`, `Direct`, `Iterative`, `Staggered` or `Petsc`."""
 
     @abstractmethod
     def choose(self, problem: Problem) -> Choice:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,11 @@ def compose(model: str, parameters: dict[str, Any], given: dict[str, Any], **all
         source.study.adaptive = Adaptive(tolerance=given["adaptive"])
     if "fields" in given:
         source.study.fields = tuple(name.strip() for name in given["fields"].split(",") if name.strip())
+    if "petsc" in given:
+        from visviva.linear.petsc import Petsc
+
+        system = source.study.system
+        system.newton = replace(system.newton, linear=Petsc(given["petsc"]))
     return source
 
 

@@ -40,7 +40,7 @@ class Newton(metaclass=Validated):
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     regularization : float
         Taken off the scaled diagonal of redundant constraints, so that the tangent stays regular.
-    linear : Automatic, Direct or Iterative
+    linear : Automatic, Direct, Iterative, Staggered or Petsc
         How the linear systems are solved; None chooses by size and kind of the system. What was chosen, and
         why, stands in `System.linear_explanation`.
     """

@@ -18,6 +18,7 @@ from visviva.linear.choice import (
     Temperatures,
     rigid_motions,
 )
+from visviva.linear.petsc import Petsc
 from visviva.linear.staggered import Halves, Staggered
 from visviva.model.field import Role
 from visviva.system.build import blocks
@@ -162,7 +163,7 @@ def rigid_modes(model: Model) -> Array:
 def hand_solvers(system: System) -> str:
     """Hand the linear solvers to the core of a system; returns what was chosen, and why."""
     core, newton = system.core, system.newton
-    options = refuse_unshared_solver(newton.linear, newton.null_space) or world().solver()
+    options = refuse_unshared_solver(newton.linear, newton.null_space)
     if options is not None and newton.null_space:
         raise InputError("Newton(linear=...) and null_space=True exclude each other: choose one")
     problem, by_blocks = problem_of(system), uses_null_space(system)
@@ -200,7 +201,7 @@ def project_in_core(system: System, by_blocks: bool) -> None:
         regularization=regularization,
     )
     if world().size > 1:
-        system.core.use_rate_linear(list(world().solver().choose(rates).in_order), constraint)
+        system.core.use_rate_linear(list(Petsc().choose(rates).in_order), constraint)
     elif by_blocks or rates.is_small:
         system.core.use_rate_solver(by_blocks, regularization, constraint)
     else:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.base.world import world
+from visviva.linear.petsc import Petsc
 
 if TYPE_CHECKING:
     from visviva.linear.choice import LinearOptions
@@ -19,14 +20,16 @@ Rows = tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]
 
 
 def refuse_unshared_solver(options: LinearOptions | None, null_space: bool | None) -> LinearOptions | None:
-    """The options given for linear equations, if they are such that several processes solve together.
+    """The options given for linear equations, if several processes can take them; PETSc's own for these if none are.
 
     Raises
     ------
     InputError
     """
-    if world().size == 1 or (null_space is not True and getattr(options, "is_shared", options is None)):
+    if world().size == 1:
         return options
+    if null_space is not True and getattr(options, "is_shared", options is None):
+        return options or Petsc()
     what = "null_space=True" if null_space else f"linear={type(options).__name__}(...)"
     raise InputError(f"Newton({what}) solves in one process, and there are {world().size}; leave it out")
 
