@@ -137,6 +137,20 @@ left
     assert (mesh.cell_sets["parts9"].tolist(), mesh.cell_sets["elements2"].tolist()) == ([0], [0])
 
 
+def test_thick_shells_have_numbers_of_their_own_and_parts_may_have_no_cells(tmp_path: Path) -> None:
+    """A brick and a thick shell may both be element 11; springs alone make up part 9."""
+    (brick, other), springs = BRICKS, "*PART\nsprings\n9\n*ELEMENT_DISCRETE\n1,9,1,2"
+    sets = "*SET_PART_LIST_TITLE\nall\n1\n3,7,9\n*SET_TSHELL_TITLE\nthick\n2\n11\n*SET_SOLID_TITLE\nsolid\n3\n11"
+    thick = "*ELEMENT_TSHELL\n" + columns([(11, *other[1:])], 8)
+    text = deck(nodes_of(TWO), "*ELEMENT_SOLID\n" + columns([(11, *brick[1:])], 8), thick, springs, sets)
+    mesh = built(tmp_path, text)
+    assert {name: mesh.cell_sets[name].tolist() for name in ("all", "solid", "thick")} == {
+        "all": [0, 1],
+        "solid": [0],
+        "thick": [1],
+    }
+
+
 def test_tetrahedra_of_ten_nodes(tmp_path: Path) -> None:
     corners = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
     middles = [corners[[i, j]].mean(axis=0) for i, j in ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))]

@@ -157,7 +157,7 @@ class Reader:
             number, part, *nodes = words if len(words) > 2 else [*words, *card.numbers(next(lines, ""))]
             if sum(map(bool, nodes)) == 9:
                 nodes = [*filter(None, nodes), *card.numbers(next(lines, ""))]
-            self._add("SOLID", number, part, *solid_cell(number, nodes))
+            self._add(card.keyword[8:].split(maxsplit=1)[0], number, part, *solid_cell(number, nodes))
 
     def shell(self, card: Card) -> None:
         """Elements of 3 or 4 corners, the last twice for 3, and as many middles; thicknesses stand in lines behind."""
@@ -233,10 +233,11 @@ class Reader:
             if kind == "SET_NODE":
                 node_sets[name] = self._members(name, members, self.node_of)
             elif kind == "SET_PART":
-                there = self._members(name, members, {int(part): int(part) for part in parts})
+                declared = {int(part): int(part) for part in [*self.titles, *parts]}  # some have no cells
+                there = self._members(name, members, declared)
                 groups[name] = np.flatnonzero(np.isin(parts, there))
             else:
-                family = {"SET_SHELL": "SHELL", "SET_BEAM": "BEAM"}.get(kind, "SOLID")
+                family = kind.removeprefix("SET_")
                 groups[name] = self._members(
                     name, members, {n: k for (of, n), k in entry.items() if of == family}
                 )
