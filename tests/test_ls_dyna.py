@@ -140,7 +140,9 @@ left
 def test_thick_shells_have_numbers_of_their_own_and_parts_may_have_no_cells(tmp_path: Path) -> None:
     """A brick and a thick shell may both be element 11; springs alone make up part 9."""
     (brick, other), springs = BRICKS, "*PART\nsprings\n9\n*ELEMENT_DISCRETE\n1,9,1,2"
-    sets = "*SET_PART_LIST_TITLE\nall\n1\n3,7,9\n*SET_TSHELL_TITLE\nthick\n2\n11\n*SET_SOLID_TITLE\nsolid\n3\n11"
+    sets = (
+        "*SET_PART_LIST_TITLE\nall\n1\n3,7,9\n*SET_TSHELL_TITLE\nthick\n2\n11\n*SET_SOLID_TITLE\nsolid\n3\n11"
+    )
     thick = "*ELEMENT_TSHELL\n" + columns([(11, *other[1:])], 8)
     text = deck(nodes_of(TWO), "*ELEMENT_SOLID\n" + columns([(11, *brick[1:])], 8), thick, springs, sets)
     mesh = built(tmp_path, text)

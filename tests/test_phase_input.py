@@ -31,6 +31,21 @@ def arrhenius(**options: Any) -> vv.ArrheniusMobility:
 
 
 @pytest.mark.parametrize(
+    ("mesh", "spacing"),
+    [
+        (vv.RectangleMesh(size=(4, 1), counts=(4, 2), cell="tri3"), 1.0),
+        (vv.RectangleMesh(size=(4, 1), counts=(4, 2), cell="tri6"), 0.5),
+        (vv.RectangleMesh(size=(4, 1), counts=(4, 2)), 1.0),
+        (vv.BoxMesh(size=(4, 1, 1), counts=(4, 2, 2)), 1.0),
+        (vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4), cell="tet4"), 0.25 * np.sqrt(2)),
+    ],
+)
+def test_nodes_are_as_far_apart_as_a_grid_has_them(mesh: Any, spacing: float) -> None:
+    """Diagonals of a grid cut into triangles are not counted, one of three of tetrahedra is."""
+    assert body(mesh=mesh, gradient_energy=100.0).space.spacing == pytest.approx(spacing, rel=1e-12)
+
+
+@pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: body(mobility=-2.0), "CahnHilliard 'alloy': mobility = -2 is not positive"),

@@ -171,13 +171,19 @@ class MeshSpace:
 
     @property
     def spacing(self) -> float:
-        """Largest distance of neighbouring nodes: edges of cells by their order."""
+        """Largest distance of neighbouring nodes: edges of cells by their order.
+
+        Of triangles the longest edge is left out and of tetrahedra the two longest, which are diagonals of grids that
+        are cut into such cells: a front across a diagonal meets nodes that are nearer, not farther apart.
+        """
         longest = 0.0
         for cell, nodes in self.grid.cells.items():
             kind = CELLS[cell]
             X = self.grid.points[nodes[:, : kind.n_corners]]
-            edges = [np.linalg.norm(X[:, a] - X[:, b], axis=1).max() for a, b in kind.family.edges]
-            longest = max(longest, max(edges) / (1 if kind.n_nodes == kind.n_corners else 2))
+            edges = [np.linalg.norm(X[:, a] - X[:, b], axis=1) for a, b in kind.family.edges]
+            diagonals = kind.dimension - 1 if kind.n_corners == kind.dimension + 1 else 0
+            counted = np.sort(edges, axis=0)[-1 - diagonals]
+            longest = max(longest, float(counted.max()) / (1 if kind.n_nodes == kind.n_corners else 2))
         return longest
 
     def cells(self) -> Sequence[Table]:

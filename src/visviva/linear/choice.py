@@ -200,7 +200,6 @@ class Problem:
         """The unsymmetric tangent of a plane mesh whose pattern tells the pivots: minimum degree orders it best."""
         return (
             self.has_diagonal
-            and not self.separates
             and self.kind == _core.MatrixKind.general
             and self.n_entries <= DENSE_ROWS * self.n
         )
