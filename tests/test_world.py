@@ -26,9 +26,9 @@ class Factors:
     def __init__(self, works: bool) -> None:
         self.works, self.name = works, "LU of scipy"
 
-    def analyze(self, row: Any, col: Any, unknown: Any, node: Any, modes: Any, multiplier: Any) -> None:
+    def analyze(self, row: Any, col: Any, unknown: Any, of: dict[str, Any]) -> None:
         self.row, self.col, self.unknown = row.copy(), col.copy(), unknown.copy()
-        self.shape = len(unknown), modes.shape[1], len(multiplier), len(node) - 1
+        self.shape = len(unknown), of["modes"].shape[1], len(of["multiplier"]), len(of["node"]) - 1
 
     def factor(self, values: Any) -> bool:
         n = len(self.unknown)

@@ -55,7 +55,8 @@ Aggregator aggregator_of(nb::object function) {
 // A linear solver on a matrix given in compressed rows.
 struct Linear {
     Linear(const std::vector<LinearChoice>& choices, const Longs& row, const Ints& col, const Ints& node,
-           const Doubles& modes, const Ints& multiplier)
+           const Doubles& modes, const Ints& multiplier, const std::vector<int>& place,
+           const std::vector<int>& algebraic, const std::vector<double>& scale)
         : solver(make_linear(choices)) {
         csr.row.assign(row.data(), row.data() + row.size());
         csr.col.assign(col.data(), col.data() + col.size());
@@ -64,7 +65,9 @@ struct Linear {
         blocks.node.assign(node.data(), node.data() + node.size());
         blocks.modes.assign(modes.data(), modes.data() + modes.size());
         blocks.n_modes = csr.n ? static_cast<int>(modes.size()) / csr.n : 0;
-        blocks.multiplier.assign(multiplier.data(), multiplier.data() + multiplier.size());
+        blocks.multiplier = flags_of(multiplier);
+        blocks.place = place, blocks.scale = scale;
+        blocks.algebraic.assign(algebraic.begin(), algebraic.end());
         solver->analyze(csr, blocks);
     }
 
@@ -75,13 +78,13 @@ struct Linear {
         return solver->factor(values.data(), {});
     }
 
-    bool solve(const Doubles& rhs, Out& x) {
+    bool solve(const Doubles& rhs, Out& x, double tolerance) {
         if (rhs.size() != static_cast<std::size_t>(csr.n) || x.size() != rhs.size())
             throw nb::value_error("one number per equation");
         nb::gil_scoped_release release;
         std::vector<double> r(rhs.data(), rhs.data() + csr.n);
         for (double& a : r) a = -a;
-        return solver->solve(r.data(), {}, x.data(), 0);
+        return solver->solve(r.data(), {}, x.data(), tolerance);
     }
 
     Csr csr;
@@ -144,9 +147,13 @@ void bind_choice(nb::module_& m) {
 void bind_solver(nb::module_& m) {
     nb::class_<Linear>(m, "Linear")
         .def(nb::init<const std::vector<LinearChoice>&, const Longs&, const Ints&, const Ints&,
-                      const Doubles&, const Ints&>())
+                      const Doubles&, const Ints&, const std::vector<int>&, const std::vector<int>&,
+                      const std::vector<double>&>(),
+             nb::arg("choices"), nb::arg("row"), nb::arg("col"), nb::arg("node"), nb::arg("modes"),
+             nb::arg("multiplier"), nb::arg("place") = std::vector<int>(),
+             nb::arg("algebraic") = std::vector<int>(), nb::arg("scale") = std::vector<double>())
         .def("factor", &Linear::factor)
-        .def("solve", &Linear::solve)
+        .def("solve", &Linear::solve, nb::arg("rhs"), nb::arg("x"), nb::arg("tolerance") = 0.0)
         .def("forget", [](Linear& l) { l.solver->forget(); })
         .def_prop_ro("name", [](const Linear& l) { return l.solver->report().name; })
         .def_prop_ro("message", [](const Linear& l) { return l.solver->report().message; })

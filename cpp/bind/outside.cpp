@@ -38,10 +38,14 @@ class Outside : public LinearSolver {
         n_ = pattern.equation.size(), n_entries_ = pattern.col.size();
         const auto rows = static_cast<std::size_t>(pattern.n),
                    modes = static_cast<std::size_t>(blocks.n_modes);
-        const std::vector<int> multiplier(blocks.multiplier.begin(), blocks.multiplier.end());
-        solver_->attr("analyze")(seen(pattern.row), seen(pattern.col), seen(pattern.unknown),
-                                 seen(blocks.node), seen(blocks.modes.data(), {rows, modes}),
-                                 seen(multiplier));
+        const std::vector<int> multiplier(blocks.multiplier.begin(), blocks.multiplier.end()),
+            algebraic(blocks.algebraic.begin(), blocks.algebraic.end());
+        nb::dict of;
+        of["node"] = seen(blocks.node), of["place"] = seen(blocks.place);
+        of["modes"] = seen(blocks.modes.data(), {rows, modes});
+        of["multiplier"] = seen(multiplier), of["algebraic"] = seen(algebraic);
+        of["scale"] = seen(blocks.scale);
+        solver_->attr("analyze")(seen(pattern.row), seen(pattern.col), seen(pattern.unknown), of);
         take_report();
     }
     bool factor(const double* values, const Place&) override {

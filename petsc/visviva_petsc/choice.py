@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.base.world import world
-from visviva.linear.choice import Choice, Direct, Problem, Temperatures
+from visviva.linear.choice import Automatic, Choice, Direct, LinearOptions, Problem, Temperatures
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
 from visviva_petsc.trial import refuse_unknown
@@ -54,8 +54,8 @@ def choose(problem: Problem, given: Options) -> Choice:
     refuse_unknown(methods, given)
     choices, names = [chosen(*method) for method in methods], [name for name, _ in methods]
     if not shared:
-        direct, by = factors_of_core(problem)
-        choices, names = [*choices, *direct], [*names, by]
+        last = of_core(problem, Direct() if methods else Automatic())
+        choices, names = [*choices, *last.in_order], [*names, last.explanation]
     text = "; should it not converge, ".join(names)
     if given:
         text += ", with " + " ".join(f"-{name} {value}".strip() for name, value in given.items())
@@ -89,12 +89,16 @@ def outside(make: Callable[[], Any]) -> _core.LinearChoice:
     return choice
 
 
-def factors_of_core(problem: Problem) -> tuple[list[_core.LinearChoice], str]:
-    """Factors of the core; of several processes in the first."""
-    direct = Direct().choose(problem)
+def of_core(problem: Problem, options: LinearOptions) -> Choice:
+    """What the core solves by in one process; of several processes in the first."""
+    own = options.choose(problem)
     if world().size == 1:
-        return list(direct.in_order), direct.explanation
-    return [outside(partial(Gathered, direct.in_order))], "factors in the first process"
+        return own
+    choices = []
+    for by in own.in_order:
+        choices.append(outside(partial(Gathered, by)))
+        choices[-1].last_resort = by.last_resort
+    return Choice(tuple(choices), f"in the first process {own.explanation}")
 
 
 def version() -> str:

@@ -1,4 +1,4 @@
-"""Factors of the whole matrix in the first process, where PETSc was built without such that processes share."""
+"""The whole matrix in the first process, where no solver that processes share serves."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def gathered(comm: Any, values: Array) -> list[Array]:
 
 
 class Gathered:
-    """Solves ``K d = -r`` in the first process by the core's own solvers; others send what they have of K and r.
+    """Solves ``K d = -r`` in the first process by one of the core's own solvers; others send what they have of K and r.
 
     Attributes
     ----------
@@ -44,29 +44,32 @@ class Gathered:
         Of the last solution.
     """
 
-    def __init__(self, choices: Sequence[Any], comm: Any = MPI.COMM_WORLD) -> None:
-        self.name, self.message, self.iterations = "factors in the first process", "", 0
-        self.choices, self.comm = list(choices), comm
+    def __init__(self, choice: Any, comm: Any = MPI.COMM_WORLD) -> None:
+        self.name, self.message, self.iterations = "solved in the first process", "", 0
+        self.choice, self.comm = choice, comm
 
-    def analyze(
-        self, row: Ints, col: Ints, unknown: Ints, node: Ints, modes: Array, multiplier: Ints
-    ) -> None:
-        """Take the pattern: compressed rows, and the unknowns of equations."""
-        self.n = len(multiplier)
+    def analyze(self, row: Ints, col: Ints, unknown: Ints, of: dict[str, Any]) -> None:
+        """Take the pattern: compressed rows, the unknowns of equations, and what is known of these."""
+        self.n = len(of["multiplier"])
         rows = unknown[np.repeat(np.arange(len(unknown)), np.diff(row))]
-        self.known = np.unique(np.concatenate(self.comm.allgather(np.array(unknown))))
-        parts = self.comm.gather((rows, unknown[col]))
+        parts = self.comm.allgather(np.array(unknown))
+        self.known = np.unique(np.concatenate(parts))
+        pairs = self.comm.gather((rows, unknown[col]))
+        equations = self.comm.gather(by_equation(unknown, of))
         if self.comm.rank:
             return
-        i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
+        i, j = (np.concatenate(part) for part in zip(*pairs, strict=True))
         n = len(self.known)
         key = np.searchsorted(self.known, i).astype(np.int64) * n + np.searchsorted(self.known, j)
         entries, self.place = np.unique(key, return_inverse=True)
         first, column = np.divmod(entries, n)
         starts = np.concatenate([[0], np.cumsum(np.bincount(first, minlength=n))]).astype(np.int64)
-        nothing = np.zeros(0, dtype=np.int32), np.zeros((n, 0))
-        flags = np.ascontiguousarray(multiplier[self.known], dtype=np.int32)
-        self.linear = _core.Linear(self.choices, starts, column.astype(np.int32), *nothing, flags)
+        self.whole = whole = merged(self.known, parts, equations)
+        node = np.concatenate([np.flatnonzero(np.diff(whole["node"], prepend=-1)), [n]]).astype(np.int32)
+        flags = np.ascontiguousarray(of["multiplier"][self.known], dtype=np.int32)
+        more = {name: whole[name].tolist() for name in ("place", "algebraic", "scale") if name in whole}
+        modes = whole.get("modes", np.zeros((n, 0)))
+        self.linear = _core.Linear([self.choice], starts, column.astype(np.int32), node, modes, flags, **more)
 
     def factor(self, values: Array) -> bool:
         """Add up the values of all processes, and factor."""
@@ -84,8 +87,9 @@ class Gathered:
         self.comm.Reduce(np.array(r), whole)
         found, done = np.zeros(len(self.known)), None
         if whole is not None:
-            done = self.linear.solve(-whole[self.known], found), self.linear.message
-        solved, self.message = self.comm.bcast(done)
+            solved = self.linear.solve(-whole[self.known], found, tolerance)
+            done = solved, self.linear.message, self.linear.iterations
+        solved, self.message, self.iterations = self.comm.bcast(done)
         if solved:
             self.comm.Bcast(found)
             d[self.known] = found
@@ -95,3 +99,21 @@ class Gathered:
         """Let go of what was kept from earlier values."""
         if self.comm.rank == 0:
             self.linear.forget()
+
+
+def by_equation(unknown: Ints, of: dict[str, Any]) -> dict[str, Array]:
+    """What is known of the equations of a process, of nodes their first unknown; nothing if it has none."""
+    starts = of["node"]
+    node = np.repeat(unknown[starts[:-1]], np.diff(starts))
+    found = {name: np.array(of[name]) for name in ("place", "algebraic", "scale", "modes")}
+    return {"node": node, **{name: values for name, values in found.items() if len(values)}}
+
+
+def merged(known: Ints, parts: Sequence[Ints], equations: Sequence[dict[str, Array]]) -> dict[str, Array]:
+    """What is known of all equations, from what processes know of those with these unknowns; they do not differ."""
+    whole: dict[str, Array] = {}
+    for unknown, values in zip(parts, equations, strict=True):
+        for name, array in values.items():
+            of = whole.setdefault(name, np.zeros((len(known), *array.shape[1:]), array.dtype))
+            of[np.searchsorted(known, unknown)] = array
+    return whole

@@ -45,14 +45,13 @@ class Solver:
         self.rtol = float(options.get("ksp_rtol", 1e-6))
         self._closing: weakref.finalize[..., Solver] | None = None
 
-    def analyze(
-        self, row: Ints, col: Ints, unknown: Ints, node: Ints, modes: Array, multiplier: Ints
-    ) -> None:
-        """Take the pattern: compressed rows, the unknowns of equations, the first equation of every node.
+    def analyze(self, row: Ints, col: Ints, unknown: Ints, of: dict[str, Any]) -> None:
+        """Take the pattern: compressed rows, the unknowns of equations, and what is known of these.
 
-        `modes` (equations, k) are rigid motions, `multiplier` (n,) tells which unknowns are forces of constraints.
+        That is, among others, the first equation of every `node`, `modes` (equations, k) of rigid motions, and which
+        unknowns (n,) are forces of constraints, `multiplier`.
         """
-        comm, n = self.comm.tompi4py(), len(multiplier)
+        comm, n, node, modes = self.comm.tompi4py(), len(of["multiplier"]), of["node"], of["modes"]
         self.release()
         owner = owners(comm, unknown, n)
         order = np.argsort(owner, kind="stable")

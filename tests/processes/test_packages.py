@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from processes.launch import launched, missing
@@ -127,6 +128,56 @@ else:
 
 def test_more_numbers_than_a_message_counts_come_in_pieces(tmp_path: Path) -> None:
     assert said(3, PIECES, tmp_path).split() == ["True"]
+
+
+MERGED = """
+import sys
+from functools import partial
+import numpy as np
+import visviva as vv
+from visviva.base.world import world
+from visviva.linear.choice import Automatic, Choice, LinearOptions
+from visviva_petsc import choice, gathered
+
+class Kept(gathered.Gathered):
+    def analyze(self, row, col, unknown, of):
+        super().analyze(row, col, unknown, of)
+        if self.comm.rank == 0:
+            np.savez(sys.argv[1], known=self.known, **self.whole)
+
+class ByFirst(LinearOptions):
+    is_shared = True
+
+    def choose(self, problem):
+        own = Automatic().choose(problem)
+        return Choice(tuple(choice.outside(partial(Kept, by)) for by in own.in_order), own.explanation)
+
+rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+size, at = (1, 1, 1), (1.001, 0.1, -0.1)
+one, two = vv.BoxMesh(size=size, counts=(3, 2, 2)), vv.BoxMesh(size=size, counts=(2, 3, 3), origin=at)
+left, right = (vv.Solid(mesh=mesh, material=rubber, density=1.0, name=str(k)) for k, mesh in enumerate((one, two)))
+meet = vv.Contact(first=right, first_faces="x0", second=left, second_faces="x1")
+parts = [left, right, meet, vv.Fixed(solid=left, nodes="x0"), vv.Gravity(acceleration=(-9.81, 0, 0))]
+system = vv.System(parts, newton=vv.Newton(linear=ByFirst()))
+vv.simulate(system, until=0.2, step=0.05)
+told = system.linear_explanation
+if world().rank == 0:
+    print("saddle" in told, told.count("pressures condensed"))
+"""
+
+
+def test_the_first_process_knows_of_equations_what_one_process_knows(tmp_path: Path) -> None:
+    """Where blocks of nodes and what has no inertia were not told, contact was solved by factors alone."""
+    (tmp_path / "script.py").write_text(MERGED)
+    found = []
+    for n in (0, 2):
+        done = launched(n, str(tmp_path / "script.py"), str(tmp_path / f"{n}.npz"))
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.split() == ["True", "0"]
+        found.append(dict(np.load(tmp_path / f"{n}.npz")))
+    assert found[0].keys() == found[1].keys() >= {"known", "node", "algebraic", "scale", "modes"}
+    assert found[0]["algebraic"].any() and found[0]["modes"].any()  # noqa: PT018
+    assert all(np.array_equal(found[0][name], found[1][name]) for name in found[0])
 
 
 PATIENT = """

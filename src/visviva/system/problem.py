@@ -22,7 +22,7 @@ from visviva.linear.petsc import Petsc
 from visviva.linear.staggered import Halves, Staggered
 from visviva.model.field import Role
 from visviva.system.build import blocks
-from visviva.system.shared import refuse_unshared_solver
+from visviva.system.shared import n_equations, refuse_unshared_solver
 
 if TYPE_CHECKING:
     from visviva.model.field import Field
@@ -63,6 +63,10 @@ def problem_of(system: System) -> Problem:
     core, model = system.core, system.model
     condensed = core.n_exchanged or len(model.reductions.pressures)  # before anything is near
     multipliers = system.n_constraints - core.n_eliminated - core.n_lengths
+    if world().size > 1:  # which condense no pressures; entries of nodes that they share count twice
+        entries = np.array([float(core.n_entries)])
+        world().sum(entries)
+        return part_of(system, model.fields, (n_equations(system), int(entries[0])), multipliers, 0)
     return part_of(system, model.fields, (core.n_equations, core.n_entries), multipliers, condensed)
 
 
