@@ -131,6 +131,36 @@ def test_straining_cools_as_kelvin_says() -> None:
     np.testing.assert_allclose(system.x[solid.algorithmic.unknowns], found, rtol=1e-12)
 
 
+@pytest.mark.parametrize("cold", [300.0, 550.0, 580.0])
+def test_a_quenched_plate_needs_no_short_steps(cold: float) -> None:
+    """Where it is as hot as at the start the entropy vanishes: rounding of energies swung temperatures there."""
+    plate = vv.ThermalFracturingSolid(
+        mesh=vv.RectangleMesh(size=(0.01, 0.01), counts=(10, 10)),
+        material=vv.SaintVenantKirchhoff(young=340e9, poisson=0.22),
+        heat=vv.Heat(conductivity=20.0, capacity=3.5e6, expansion=8e-6, reference=600.0),
+        toughness=42.0,
+        length=2e-3,
+        density=3900.0,
+        temperature=600.0,
+    )
+    system = vv.System([plate, vv.PrescribedTemperature(body=plate, nodes="y0", value=cold)])
+    result = vv.simulate(system, until=1e-7, step=1e-8)
+    assert result.statistics.rejected == 0
+    assert result.conservation()["energy"] < 1e-11
+    assert 0.2 < plate.damages(system.x).max() < 1.05
+
+
+def test_a_start_far_from_the_reference_all_over_is_told() -> None:
+    """By the damage of an even free strain, d = 2 W / (2 W + Gc / l); a part of it at the reference is none of that."""
+    strain, E = 100 * EXPANSION, YOUNG / (1 - 2 * 0.3)
+    W = (1 + strain) ** 3 * 1.5 * E * (0.5 * (1 / (1 + strain) ** 2 - 1)) ** 2
+    told = 2 * W / (2 * W + TOUGHNESS / LENGTH)
+    (remark,) = [r for r in bar(temperature=400.0).remarks() if "reference" in r]
+    assert "reference 300 K of its heat" in remark
+    assert f"that damages it by {told:.2g} all over" in remark
+    assert not [r for r in bar(temperature=lambda X: 300 + 100 * X[:, 0]).remarks() if "reference" in r]
+
+
 @pytest.mark.parametrize("model", ["AT1", "AT2"])
 def test_energy_and_entropy_of_a_bar_that_breaks(model: Any) -> None:
     """Kinetic, elastic and crack energy and heat are kept to rounding, with momenta; entropy never falls."""

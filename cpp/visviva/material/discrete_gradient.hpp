@@ -83,7 +83,9 @@ VISVIVA_INLINE V increase(const Places& places, const Energy& energy, const Path
 /// The factor f of the correction f d to the gradient m in the middle, and its derivatives df by strains at
 /// their ends. f d.d = b = W1 - W0 - m.d; where that difference would drown in rounding it is Simpson's rule
 /// in the gradients, and nothing where it is below the rounding of the energy or where the strains hardly
-/// change: what is left out is of third order, what rounding leaves of f d and its gradient is not.
+/// change: what is left out is of third order, what rounding leaves of f d and its gradient is not. Changes
+/// are small beside the strains, or beside their natural_square(k), which an energy may give to those that
+/// vanish at an origin that is anywhere, as entropy does.
 template <bool tangent, class Places, class Energy, class Path, int n = Energy::n>
 VISVIVA_INLINE V correction(const Places& places, const Energy& energy, const Path& path, const V* from,
                             const V* to, const V* d, const Potential<n>& m, const Potential<n>& p0,
@@ -96,6 +98,7 @@ VISVIVA_INLINE V correction(const Places& places, const Energy& energy, const Pa
         first += w * change * change, second += w * bend * bend, simpson += w * bend * d[k];
         size += w * d[k] * d[k], place += w * (from[k] * from[k] + to[k] * to[k]);
         work += w * m.s[k] * d[k], stress += w * m.s[k] * m.s[k];
+        if constexpr (requires { energy.natural_square(k); }) place = vmax(place, energy.natural_square(k));
     }
     const VI smooth = second <= Energy::smooth * first;
     V b = simpson / 6.0;

@@ -33,13 +33,6 @@ bool Monotone::project(double* dx) {
     return moved;
 }
 
-int Monotone::overshoots(const double* dx, const double* x1) const {
-    constexpr double most = 1.05, little = 0.05, fastest = 0.75;
-    const auto u = std::find_if(unknowns_.begin(), unknowns_.end(),
-                                [&](int i) { return dx[i] > fastest || (x1[i] > most && dx[i] > little); });
-    return u == unknowns_.end() ? -1 : *u;
-}
-
 bool Monotone::is_pressed(int u, const double* r, const double* diagonal) const {
     return rests_[u] && !halted_[u] && -r[u] > rounding * std::max(diagonal[u], 0.0);
 }

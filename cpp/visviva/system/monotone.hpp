@@ -45,9 +45,6 @@ class Monotone {
     bool is_masked(int unknown) const { return rests_[unknown] || halted_[unknown]; }
     /// Whether the last look at increments or residual has changed what rests.
     bool has_changed() const { return changed_; }
-    /// An unknown, from 0 to 1 as it should be, whose step is no way to follow where equations hold in its
-    /// middle: at its end it is as far beyond what they ask for, and stays there; -1: none.
-    int overshoots(const double* dx, const double* x1) const;
     /// Increments that are negative by rounding.
     void clip(double* dx) const;
 

@@ -88,12 +88,6 @@ Refusal System::refusal(const Context& context) {
     Refusal no;
     for (auto part = terms_.begin(); part != terms_.end() && no.reason.empty(); ++part)
         no = part->term->refuse(context);
-    const bool in_middle = context.step.stress == Stress::discrete_gradient || context.step.theta != 1;
-    if (in_middle && !context.step.is_static() && no.reason.empty())
-        if (const int u = monotone_.overshoots(dx.data(), x1_.data()); u >= 0)
-            no = {u,
-                  "damage grows to " + std::to_string(x1_[u]) + ", by " + std::to_string(dx[u]) +
-                      " in one step: where forces balance in its middle, that is twice as far as it should"};
     if (any(!no.reason.empty()) && no.reason.empty()) no.reason = "another process refuses it";
     return no;
 }

@@ -21,6 +21,7 @@ from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
 from visviva.system.algebraic import settle
 from visviva.system.freedom import refuse_free, refuse_massless, refuse_swinging
+from visviva.system.growing import bring_into_balance
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
 from visviva.system.system import System, refuse_no_system
@@ -169,6 +170,8 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         system.report = fit(system, project=project)
     if system.is_given:
         settle(system)
+        if scheme.has_inertia:
+            bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
     system.stepper.is_edited = False

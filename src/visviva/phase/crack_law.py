@@ -20,6 +20,7 @@ SplitName = Literal["none", "volumetric", "spectral"]
 NONE, TRACE, VOLUME, GREEN, LOGARITHMIC = range(5)
 """Splits of the core, see ``visviva/point/fracture.hpp``."""
 LINEAR = {"AT1": True, "AT2": False}
+TINY = 1e-300
 IDENTITY = np.array([1.0, 1, 1, 0, 0, 0])
 NORMALISED = {"AT1": 8 / 3, "AT2": 2.0}
 """Four times the integral of the root of the local part, by which a crack costs the toughness."""
@@ -105,6 +106,15 @@ class CrackLaw:
         w = d if LINEAR[self.model] else d * d
         density: Array = self.local * w + self.gradient * np.sum(gradient**2, axis=-1)
         return density
+
+    def even_damage(self, C: Array, volume: float = 1.0) -> Array:
+        """Damages (n,) that balance energies ``volume W(C)`` of tensors C (n, 6), the same from place to place."""
+        drive = 2 * volume * (1 - self.rest) * (self.material.respond(C)[0] - self.left(C)[0])
+        linear = float(LINEAR[self.model])
+        d: Array = np.maximum(drive - linear * self.local, 0.0) / np.maximum(
+            drive + 2 * (1 - linear) * self.local, TINY
+        )
+        return d
 
     def respond(self, C: Array, d: Array) -> tuple[Array, Array]:
         """Energy (n,) and second Piola-Kirchhoff stress (n, 6) of tensors C (n, 6) with damages (n,)."""

@@ -85,7 +85,10 @@ class FracturingSolid(Solid):
     d among damages that do not shrink: at every node damage rests or a balance holds, found by active sets, so that
     what holds it back does no work. The ledger has all of the energy as "stored", that of cracks too. Statics find
     damages together with positions (`Static`), to and fro (`AlternateMinimization`), or through snap-back
-    (`CrackControl`); `EnergyMomentum` keeps the sum of kinetic, elastic and crack energy.
+    (`CrackControl`); `EnergyMomentum` keeps the sum of kinetic, elastic and crack energy. Runs in time begin with
+    damages in balance with what is given; steps that balance forces in their middle (`EnergyMomentum`, `Midpoint`)
+    fail where damage ends far from its balance, as where a load on it jumps: `BackwardEuler`, `BDF2` and
+    `GeneralizedAlpha` follow that.
 
     Examples
     --------

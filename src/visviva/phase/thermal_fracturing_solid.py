@@ -14,6 +14,7 @@ from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Number
 from visviva.model.points import Group, PhysicsKind, add_points
+from visviva.phase.crack_law import IDENTITY
 from visviva.phase.fracturing_solid import FracturingSolid
 from visviva.thermal.heat import Heat
 from visviva.thermal.thermoelastic_solid import ThermoelasticSolid
@@ -30,6 +31,8 @@ CONDUCTING = {
 }
 """The same with entropies and temperatures."""
 DOUBLE = np.array([1.0, 1, 1, 2, 2, 2])
+TOLD = 1e-3
+"""Even damage by the start's temperatures from which on it is told."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -62,7 +65,7 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
     >>> plate = vv.ThermalFracturingSolid(
     ...     mesh=vv.RectangleMesh(size=(0.01, 0.01), counts=(10, 10)),
     ...     material=alumina,
-    ...     heat=vv.Heat(conductivity=20.0, capacity=3.5e6, expansion=8e-6),
+    ...     heat=vv.Heat(conductivity=20.0, capacity=3.5e6, expansion=8e-6, reference=600.0),
     ...     toughness=42.0,
     ...     length=2e-3,
     ...     density=3900.0,
@@ -70,8 +73,9 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
     ... )
     >>> cold = vv.PrescribedTemperature(body=plate, nodes="y0", value=300.0)
     >>> system = vv.System([plate, cold])
-    >>> float(plate.damages(system.x).max())
-    0.0
+    >>> result = vv.simulate(system, until=1e-7, step=1e-8)  # what is cold from the start on is damaged then
+    >>> round(float(plate.damages(result.states[0]).max()), 2), result.conservation()["energy"] < 1e-10
+    (1.03, True)
     """
 
     cracked_conductivity: Number = 1.0
@@ -107,7 +111,25 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
         return self.heat
 
     def remarks(self) -> list[str]:
-        return [*FracturingSolid.remarks(self), *ThermoelasticSolid.remarks(self)]
+        return [
+            *FracturingSolid.remarks(self),
+            *ThermoelasticSolid.remarks(self),
+            *self._strained_at_the_start(),
+        ]
+
+    def _strained_at_the_start(self) -> list[str]:
+        """A remark on the damage by free strains that all of it has before anything moves."""
+        heat, T = self._own_heat, self.start_temperatures
+        nearest = float(np.clip(heat.reference, T.min(), T.max()))
+        stretch = 1 + heat.expansion * (nearest - heat.reference)
+        d = float(self.law.even_damage(IDENTITY[None] / stretch**2, stretch**3)[0])
+        if d <= TOLD:
+            return []
+        return [
+            f"{self.label}: is at {nearest:.6g} K or farther from the reference {heat.reference:.6g} K of its heat, "
+            f"where it is free of stress, and nothing has moved yet: that damages it by {d:.2g} all over; give "
+            "vv.Heat(reference=...) the temperature at which it is free of stress"
+        ]
 
     # --- what it contributes -------------------------------------------------------------------------------
     def contribute(self, model: Model) -> None:

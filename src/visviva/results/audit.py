@@ -78,7 +78,7 @@ def course(result: Result) -> list[str]:
     seconds = max(s.seconds, 1e-12)
     end = with_unit(f"{ledger.last('time'):.6g}", labels.unit("time"))
     clock = {"time": "t =", "state": "load parameter"}.get(labels.clock, labels.clock)
-    moved = [f"initial state moved onto the constraints: {'; '.join(ledger.moves)}"] if ledger.moves else []
+    moved = [f"initial state made consistent: {'; '.join(ledger.moves)}"] if ledger.moves else []
     heats = ", ".join(f"{k} {energy(f'heat_{k}', ledger, labels)}" for k in ledger.heats)
     supplied = [f"heat supplied to the system: {heats}"] if heats else []
     entropy = [changed(ledger, labels.unit("entropy"))] if ledger.entropy else []

@@ -80,7 +80,7 @@ class Ledger:
         Holds the rows, maybe not of every step; without it they are kept in memory. Figures of the whole run need
         neither: they follow from the first and the last row and the least and greatest values of all.
     moves : list of str
-        What was moved onto the constraints before the first row.
+        What was moved onto the constraints, or into balance (damage), before the first row.
     """
 
     potentials: list[str]

@@ -50,7 +50,7 @@ def find_potentials(system: System, unknowns: Ints) -> None:
     import scipy.sparse as sp
     from scipy.sparse.linalg import cg
 
-    r, K, at = _equations(system, unknowns)
+    r, K, at = equations(system, unknowns)
     inverse = sp.diags_array(1 / K.diagonal())
     system.x[at] -= cg(K, r, M=inverse, rtol=ROUNDING, maxiter=1000)[0]
 
@@ -67,7 +67,7 @@ def balance(system: System, unknowns: Ints) -> None:
     held = system.is_lasting_constraint[free] & (abs(A) @ own.astype(float) > 0)
     chosen, start = free[own | held], system.x.copy()
     for _ in range(MOST):
-        r, K, at = _equations(system, chosen)
+        r, K, at = equations(system, chosen)
         try:
             change = splu(K.tocsc()).solve(r)
         except RuntimeError:  # singular
@@ -81,9 +81,9 @@ def balance(system: System, unknowns: Ints) -> None:
     system.x[:] = start
 
 
-def _equations(system: System, unknowns: Ints) -> tuple[Array, sp.csr_array, Ints]:
-    """Residual and tangent of these unknowns alone at this instant without rates, and those that are free."""
-    r, K = system.tangent(instant(system.time, theta=1.0))
+def equations(system: System, unknowns: Ints, time: float | None = None) -> tuple[Array, sp.csr_array, Ints]:
+    """Residual and tangent of these unknowns alone at an instant, by default now, without rates, and the free ones."""
+    r, K = system.tangent(instant(system.time if time is None else time, theta=1.0))
     own = np.isin(system.free_unknowns, unknowns)
     at = system.free_unknowns[own]
     return r[at], K[own][:, own], at

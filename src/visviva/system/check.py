@@ -103,7 +103,7 @@ class CheckReport:
     positions, velocities : Correction
         How the initial state was made consistent.
     moves : list of str
-        What did not fit before the first step and was moved, in words; flows apart.
+        What did not fit before the first step and was moved, in words; flows apart. Damage that grew into balance too.
     tangent : TangentError or None
         Worst entry of the tangent; None if it was not compared.
     remarks : list of str

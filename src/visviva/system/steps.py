@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import NotFinite
 from visviva.component.limited import Limited
+from visviva.system.growing import refuse_imbalance, watches
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
 from visviva.system.turn import alone
@@ -47,7 +48,8 @@ def take(system: System, h: float, scheme: Scheme) -> Any:
 
 def _taken(system: System, h: float, scheme: Scheme) -> Any:
     step = system.stepper.step_of(scheme, h)
-    if system.projects(scheme) or any(isinstance(c, Limited) for c in system.components):
+    limited = any(isinstance(c, Limited) for c in system.components)
+    if limited or system.projects(scheme) or watches(system, step):
         attempt = solved(system, step)
         accept(system, attempt, scheme)
         return attempt.report
@@ -60,7 +62,9 @@ def _taken(system: System, h: float, scheme: Scheme) -> Any:
 def solved(system: System, step: Any) -> Attempt:
     """Solve a step's equations; its increment is then the core's ``dx``, to be accepted or discarded."""
     signals = system.signals(step).copy()
-    return Attempt(step, signals, _solve(system, system.core.solve, step, signals))
+    attempt = Attempt(step, signals, _solve(system, system.core.solve, step, signals))
+    refuse_imbalance(system, step)
+    return attempt
 
 
 def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
