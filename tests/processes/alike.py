@@ -288,26 +288,27 @@ def run(name: str) -> dict[str, Any]:
         if isinstance(body, vv.Contact):
             looks += [body.forces, body.pressures, np.nan_to_num(body.gaps)]
     return {
+        "t": np.array(result.times),
         "x": np.array(result.states),
         "v": np.array(result.kept.rates),
         "ledger": np.array(result.ledger.rows),
         "looks": looks,
         "moving": system.order > 0,
-        "ends": ends(name, result.states, result.kept.rates),
+        "ends": ends(name, result.times, result.states, result.kept.rates),
     }
 
 
-def ends(name: str, x: Any, v: Any) -> list[Any]:
-    """Of steps from given states, without what those before them have left."""
+def ends(name: str, t: Any, x: Any, v: Any) -> list[Any]:
+    """Of steps from given states, without what those before them have left; some steps of a run may be halves."""
     system, scheme = system_of(name), CASES[name][1]
     found = []
     for k in range(STEPS):
         system.x[:] = 0.0
         system.invalidate()  # where the state is that of the last step, too
         system.x[:], system.v[:] = x[k], v[k]
-        system.time = k * STEP
+        system.time = t[k]
         system.invalidate()
-        for _ in vv.march(system, until=(k + 1) * STEP, step=STEP, scheme=scheme, project=True):
+        for _ in vv.march(system, until=t[k + 1], step=t[k + 1] - t[k], scheme=scheme, project=True):
             pass
         found.append(system.x.copy())
     return found
@@ -328,7 +329,9 @@ def stepped(name: str, known: dict[str, Any]) -> float:
     """Largest difference after a step from the same state, relative to the step's largest increment."""
     moving, worst = known["moving"], 0.0
     starts = known["x"][:, moving]
-    for start, end, found in zip(starts, known["ends"], ends(name, known["x"], known["v"]), strict=False):
+    for start, end, found in zip(
+        starts, known["ends"], ends(name, known["t"], known["x"], known["v"]), strict=False
+    ):
         increment = np.abs(end[moving] - start).max()
         worst = max(worst, float(np.abs(found[moving] - end[moving]).max() / increment))
     return worst
