@@ -52,11 +52,10 @@ struct HeatedFractureEnergy : PlainEnergy {
           heat(p[thermal::capacity], p[thermal::zero], p + thermal::more),
           plain(p + heated_fracture::fracture) {}
 
-    /// Entropies change as the logarithm of the temperature does, times the capacity. The difference of energies
-    /// of strain has rounding that beside a smaller change would swing iterations between two temperatures.
-    V natural_square(int k) const {
-        return k == 10 ? p[thermal::capacity] * p[thermal::capacity] : V{};
-    }
+    /// Entropies change as the logarithm of the temperature does, times the capacity. The difference of
+    /// energies of strain has rounding that beside a smaller change would swing iterations between two
+    /// temperatures.
+    V natural_square(int k) const { return k == 10 ? p[thermal::capacity] * p[thermal::capacity] : V{}; }
     /// The strains of a free strain.
     V stretched(const V* e, V* z) const {
         const V rise = heat.rise_of(e[10]);
