@@ -159,13 +159,13 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "node_to_segment",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double radius, double reach,
-           bool rubs, const Ints& turning, double axis, int copies) {
-            return shared(
-                make_node_to_segment(skin, {vector_of<double>(areas), vector_of<double>(behind), radius,
-                                            reach, rubs, vector_of<int>(turning), axis, copies}));
+           bool rubs, const Ints& turning, double axis, int copies, const Ints& facets) {
+            return shared(make_node_to_segment(
+                skin, {vector_of<double>(areas), vector_of<double>(behind), radius, reach, rubs,
+                       vector_of<int>(turning), axis, copies, vector_of<int>(facets)}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("radius"), nb::arg("reach"),
-        nb::arg("rubs"), nb::arg("turning"), nb::arg("axis"), nb::arg("copies"));
+        nb::arg("rubs"), nb::arg("turning"), nb::arg("axis"), nb::arg("copies"), nb::arg("facets"));
     m.def(
         "line_gaps",
         [](const Skin& skin, const Doubles& areas, double radius, double reach, const Ints& start,
@@ -208,14 +208,15 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "obstacle",
         [](const Skin& skin, const Doubles& areas, double radius, const Ints& turning, int core,
-           const Doubles& half, double round, double axis) {
+           const Doubles& half, double round, double axis, const Ints& facets) {
             ObstacleShape shape{static_cast<ObstacleShape::Core>(core), {}, round, axis};
             std::copy_n(half.data(), 3, shape.half);
-            return shared(make_obstacle(
-                skin, {vector_of<double>(areas), {}, radius, 0, false, vector_of<int>(turning), 0}, shape));
+            PointOptions options{vector_of<double>(areas), {}, radius, 0, false, vector_of<int>(turning)};
+            options.facets = vector_of<int>(facets);
+            return shared(make_obstacle(skin, std::move(options), shape));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("radius"), nb::arg("turning"), nb::arg("core"),
-        nb::arg("half"), nb::arg("round"), nb::arg("axis"));
+        nb::arg("half"), nb::arg("round"), nb::arg("axis"), nb::arg("facets"));
 }
 
 void bind_construction(nb::class_<ContactTerm, Term>& term) {

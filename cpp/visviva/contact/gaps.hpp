@@ -154,6 +154,7 @@ struct PointOptions {
     // So many of each vertex of the first surface, one set behind the other: where facets lean together over
     // it, each of them holds a copy.
     int copies = 1;
+    std::vector<int> facets;  // of a rigid body between vertices without facets, as in a skin
 };
 
 /// Distances to the closest points of the second surface's facets.

@@ -96,28 +96,6 @@ bool NodeToSegment::turns_uphill(const double* from, const double* to, int A) co
            lean_together(facet, s, after.facet, t, apart);
 }
 
-// Sum of the normals around a vertex, weighted by angles: it tells inside from outside (Baerentzen & Aanaes
-// 2005).
-Vector3 NodeToSegment::at_vertex(const double* X, int vertex) const {
-    Vector3 sum = Vector3::Zero();
-    const At a(X + 3 * vertex);
-    for (int k = normals_.start[vertex]; k < normals_.start[vertex + 1]; ++k) {
-        const Corner& corner = normals_.corners[k];
-        Vector3 m;
-        double angle = 1;
-        if (skin_.dim == 2) {
-            const Vector3 e =
-                corner.next >= 0 ? At(X + 3 * corner.next) - a : a - At(X + 3 * corner.previous);
-            m = e.cross(Vector3::UnitZ());
-        } else {
-            const Vector3 u = At(X + 3 * corner.next) - a, w = At(X + 3 * corner.previous) - a;
-            m = u.cross(w), angle = std::atan2(m.norm(), u.dot(w));
-        }
-        if (m.norm() > 0) sum += angle * m.normalized();
-    }
-    return sum;
-}
-
 // A direction that points out of the body where the closest point is on an edge or at a vertex.
 Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& border) const {
     const Foot& foot = found.foot;
@@ -131,7 +109,7 @@ Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& borde
     if (foot.n == 1) {
         const int v = skin_.corners(f)[foot.vertex[0]];
         border = border_[v];
-        return at_vertex(X, v);
+        return normals_.by_angles(X, v);
     }
     const int corner = (foot.vertex[0] + 1) % n == foot.vertex[1] ? foot.vertex[0] : foot.vertex[1];
     const int other = across_[facet_corners * f + corner];
@@ -207,13 +185,15 @@ bool NodeToSegment::are_same(const double* X, int side, int other) const {
     return one.normal(0).dot(two.normal(0)) > same_side || (!keeps_ && lean_together(one, 0, two, 0, apart));
 }
 
-// The facet that the vertex passes last from before it to behind it, as both move straight.
+// The facet that the vertex passes last from before it to behind it, as both move straight, or if it cannot
+// touch that the nearest that it can.
 int NodeToSegment::entrance(const double* from, const double* to, int A) const {
     const Vector3 start = nudged(from, A), end = nudged(to, A);
     Vector3 own;
     if (!normals_.normal(to, A, own.data())) own.setZero();
     double latest = -1;
     int side = Sides::nearest;
+    Vector3 normal = Vector3::Zero();
     for (const Candidate& c : candidates_[A]) {
         const FacetShape one = shape(from, c.facet), two = shape(to, c.facet);
         for (int s = 0; s < one.n_simplices(); ++s) {
@@ -229,7 +209,17 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
             const Foot foot = whole(there, s, start + t * (end - start));
             const bool meets = std::all_of(foot.coordinate, foot.coordinate + there.dim,
                                            [](double share) { return share > -between; });
-            if (meets && t > latest) latest = t, side = c.facet;
+            if (meets && t > latest) latest = t, side = c.facet, normal = n;
+        }
+    }
+    if (side < 0 || looks(to, A, normal)) return side;
+    double least = HUGE_VAL;
+    for (const Candidate& c : candidates_[A]) {
+        const FacetShape facet = shape(to, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s) {
+            const double distance = closest(facet, s, At(to + 3 * A)).distance;
+            if (distance < least && facet.height(s, At(to + 3 * A)) < 0 && looks(to, A, facet.normal(s)))
+                least = distance, side = c.facet;
         }
     }
     return side;

@@ -13,7 +13,6 @@ namespace visviva::node_to_segment {
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 
-constexpr double facing = -0.1;      // least opposition of a vertex' and a facet's normal, as for mortar
 constexpr double same_place = 1e-6;  // so close beside a facet, by its size, a point counts as above it
 // In valleys between facets pressure has a part of both normals, and Newton's method goes to and fro between
 // them. In a load step a vertex stays above the facet it was above where that began, so far beside it, by its
@@ -101,7 +100,6 @@ class NodeToSegment : public PointGaps {
     Vector3 outwards(const double* X, const Found& found, bool& border) const;
     void differentiated(const double* X, int A, const Found& found, Eigen::VectorXd& g,
                         Eigen::MatrixXd* H) const;
-    Vector3 at_vertex(const double* X, int vertex) const;
 
     // The simplex that a vertex was above where the step began, and whether it touched that.
     struct Kept {

@@ -92,6 +92,7 @@ class Obstacle : public PointGaps {
     Vector3 local(const double* X, const Vector3& x) const;
     Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
     bool reaches(const double* from, const double* to, int vertex) const;
+    bool touches(const double* X, int vertex, const Vector3& normal) const;
     bool turns() const { return !options_.turning.empty(); }  // a ball that rubs
     // Balls whose middle is just above an edge come in from above.
     double on_edge() const { return 1e-9 * options_.radius; }
@@ -178,12 +179,13 @@ double Obstacle::depth(const double* X, int A, int side) const {
     return -q[side].v;
 }
 
-// The core is convex: it is the side that the vertex passes last.
+// The core is convex: it is the side that the vertex passes last, or if it cannot touch that the nearest that
+// it can.
 int Obstacle::entrance(const double* from, const double* to, int A) const {
     const Vector3 start = local(from, nudged(from, A)), end = local(to, nudged(to, A));
     double latest = 0;
     int side = Sides::nearest;
-    Scalar q[3];
+    Scalar q[3], last[3];
     const int n = excesses(shape_, start, q);
     for (int k = 0; k < n; ++k) {
         excesses(shape_, start, q);
@@ -196,7 +198,20 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
         }
         if (after > latest) latest = after, side = k;
     }
-    return side;
+    excesses(shape_, end, last);
+    if (side < 0 || touches(to, A, last[side].d)) return side;
+    int other = Sides::nearest;
+    for (int k = 0; k < n; ++k)
+        if (touches(to, A, last[k].d) && (other < 0 || last[k].v > last[other].v)) other = k;
+    return other < 0 ? side : other;
+}
+
+// Whether it may, a side with a normal that is given in the frame.
+bool Obstacle::touches(const double* X, int A, const Vector3& normal) const {
+    const double* frame = X + 3 * (skin_.n_vertices() - 4);
+    Vector3 n = Vector3::Zero();
+    for (int i = 0; i < 3; ++i) n += normal[i] / shape_.axis * (At(frame + 3 + 3 * i) - At(frame));
+    return looks(X, A, n);
 }
 
 // With the place y_i = (x - o) . (p_i - o) / L in the frame.

@@ -15,6 +15,10 @@ using At = Eigen::Map<const Vector3>;
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
     stencils_.resize(n_), sides_.resize(n_);
+    if (options_.facets.empty()) return;
+    Skin whole = skin_;
+    whole.facets = options_.facets;
+    around_.build(whole);
 }
 
 // --- the way in --------------------------------------------------------------------------------------------
@@ -40,6 +44,14 @@ void PointGaps::find_middles(std::initializer_list<const double*> configurations
     middles_.clear();
     for (const double* X : configurations)
         if (X) middles_.push_back({X, middle_at(X)});
+}
+
+// What comes in by a side that it does not face has been in there before its corner: it lies on another side,
+// deep by what the step took, and the corner slid off that and comes back. It would be pushed out where
+// nothing holds what goes on from there.
+bool PointGaps::looks(const double* X, int A, const Vector3& normal) const {
+    if (around_.corners.empty() || !keeps_) return true;
+    return around_.by_angles(X, A % (n_ / options_.copies)).normalized().dot(normal) < facing;
 }
 
 int PointGaps::side(const double* X, int A) const {
@@ -142,8 +154,8 @@ bool PointGaps::cuts_through(const Path& path, double before, double after, doub
     return begin < end && path.gap(0.5 * (begin + end)) < -least;
 }
 
-// Whether what touches at the end of a step pushes elsewhere than where it closed.
-bool PointGaps::turns_about(const Path& path) const {
+// Whether what touches at the end of a step pushes elsewhere than where it closed, and might touch there.
+bool PointGaps::turns_about(const Path& path, const double* from, int A) const {
     constexpr double same = 0.5;  // least agreement of normals
     const double rounding = 1e-6 * path.length;
     const Vector3 end = path.normal(1);
@@ -153,7 +165,8 @@ bool PointGaps::turns_about(const Path& path) const {
         const double t = 0.5 * (open + closed);
         (path.gap(t) > -rounding ? open : closed) = t;
     }
-    return path.normal(open).dot(end) <= same;
+    const Vector3 begin = path.normal(open);
+    return begin.dot(end) <= same && looks(from, A, begin);
 }
 
 int PointGaps::strays(const double* from, const double* to, const double* before, const double* after) const {
@@ -170,7 +183,7 @@ int PointGaps::strays(const double* from, const double* to, const double* before
         if (after[A] > 0)
             stray[A] = cuts_through(path, before[A] / area, after[A] / area, near);
         else if (after[A] < -near * area)
-            stray[A] = turns_about(path);
+            stray[A] = turns_about(path, from, A);
     });
     const auto first = std::find(stray.begin(), stray.end(), 1);
     return first == stray.end() ? -1 : static_cast<int>(first - stray.begin());

@@ -8,6 +8,8 @@
 
 namespace visviva {
 
+constexpr double facing = -0.1;  // least opposition of a vertex' and a facet's normal, as for mortar
+
 class PointGaps : public Gaps {
   public:
     PointGaps(Skin skin, PointOptions options);
@@ -49,6 +51,8 @@ class PointGaps : public Gaps {
     virtual int entrance(const double* from, const double* to, int vertex) const = 0;
     virtual double depth(const double* X, int vertex, int side) const = 0;
     virtual bool are_same(const double* X, int side, int other) const = 0;
+    /// Whether a corner of a rigid body may touch a side with this normal: it faces that.
+    bool looks(const double* X, int vertex, const Eigen::Vector3d& normal) const;
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
     int side(const double* X, int vertex) const;
     /// Whether it is a node of a mesh: what it goes in by an edge its body makes up for by deforming, and the
@@ -72,11 +76,12 @@ class PointGaps : public Gaps {
 
     class Path;
     bool cuts_through(const Path&, double before, double after, double near) const;
-    bool turns_about(const Path&) const;
+    bool turns_about(const Path&, const double* from, int vertex) const;
     bool slides_out(const double* X, int vertex, int in, int out) const;
 
     PointOptions options_;
     Sides sides_;
+    NormalField around_;  // of what is rigid, if vertices have no facets
     struct Middle {
         const double* X;
         Eigen::Vector3d place;

@@ -71,13 +71,22 @@ bool SharpPairs::is_apart(const double* X, long number) const {
     return (middle[1] - middle[0]).norm() > sizes + depth_;
 }
 
-// Whether a unit vector across an edge lies between the normals of the facets beside it.
-bool SharpPairs::edge_looks(const double* X, const int* edge, const Vector3& n, double sine) const {
-    const Vector3 a = At(X + 3 * edge[0]), along = (At(X + 3 * edge[1]) - a).normalized();
-    const Vector3 left = along.cross(At(X + 3 * edge[2]) - a).normalized(),
-                  right = (At(X + 3 * edge[3]) - a).cross(along).normalized();
-    return left.cross(n).dot(along) >= -sine && n.cross(right).dot(along) >= -sine && n.dot(left + right) > 0;
-}
+// A direction along an edge and the normals of the facets to its left and right.
+struct SharpPairs::Ridge {
+    Vector3 a, along, left, right;
+    Ridge(const double* X, const int* edge) : a(At(X + 3 * edge[0])) {
+        along = (At(X + 3 * edge[1]) - a).normalized();
+        left = along.cross(At(X + 3 * edge[2]) - a).normalized();
+        right = (At(X + 3 * edge[3]) - a).cross(along).normalized();
+    }
+    /// Whether a unit vector across the edge lies between these normals.
+    bool looks(const Vector3& n, double sine) const {
+        return left.cross(n).dot(along) >= -sine && n.cross(right).dot(along) >= -sine &&
+               n.dot(left + right) > 0;
+    }
+    /// Whether a place lies below both facets.
+    bool holds(const Vector3& x) const { return (x - a).dot(left) < 0 && (x - a).dot(right) < 0; }
+};
 
 // Whether all edges of a corner lead away from a plane with this unit normal.
 bool SharpPairs::corner_looks(const double* X, long corner, const Vector3& n, double sine) const {
@@ -105,19 +114,22 @@ bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m,
                             bool stays) const {
     const double places[2] = {m.shares[1], -m.shares[3]};
     const auto v = stencil(pair.number);
+    const Ridge ridges[2] = {{X, edge(pair.number, 0)}, {X, edge(pair.number, 1)}};
     for (int side : {0, 1}) {
+        const At a(X + 3 * v[2 * side]), b(X + 3 * v[2 * side + 1]);
         const double from_end = std::min(places[side], 1 - places[side]);
-        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
         if (from_end < -beyond) return false;
-        if (beyond <= 0 && !stays && -m.distance > 2 * from_end * length) return false;
+        const bool is_near = -m.distance > 2 * from_end * (b - a).norm();
+        const At end = places[side] < 0.5 ? a : b;
+        if (beyond <= 0 && !stays && is_near && ridges[1 - side].holds(end)) return false;
     }
-    return edge_looks(X, edge(pair.number, 0), -m.normal, sine) &&
-           edge_looks(X, edge(pair.number, 1), m.normal, sine);
+    return ridges[0].looks(-m.normal, sine) && ridges[1].looks(m.normal, sine);
 }
 
-// What is nearer to the end of an edge, or to the border of a face, than half as deep leaves past that, and
-// by what touches there: so does the vertical edge of a box that has sunk a little into the one that it
-// stands on. Corners a little deep at a border stay: those of a box below one that stands flush on it.
+// What is nearer to the border of a face than half as deep, or to an end of an edge that lies inside, leaves
+// past that, and by what touches there: so does the vertical edge of a box that has sunk a little into the
+// one that it stands on. An end that sticks out leads its edge deeper. Corners a little deep at a border
+// stay: those of a box below one that stands flush on it.
 bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double sine, bool stays) const {
     const Meeting m = meeting(X, pair);
     if (m.sine < parallel || std::abs(m.distance) > depth_) return false;

@@ -60,7 +60,7 @@ class SharpPairs {
     long corner(long number) const { return part(number, 1) - n_edges(1); }
     std::vector<int> vertices(int side, long part) const;
     std::vector<Box> boxes(const double* from, const double* to, int side, double margin) const;
-    bool edge_looks(const double* X, const int* edge, const Eigen::Vector3d& n, double sine) const;
+    struct Ridge;
     bool corner_looks(const double* X, long corner, const Eigen::Vector3d& n, double sine) const;
     double inside(const double* X, long face, const Eigen::Vector3d& x, const Eigen::Vector3d& n) const;
     bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine,

@@ -70,4 +70,26 @@ bool NormalField::normal(const double* X, int vertex, double* n) const {
     return true;
 }
 
+Eigen::Vector3d NormalField::by_angles(const double* X, int vertex) const {
+    using Vector3 = Eigen::Vector3d;
+    using At = Eigen::Map<const Vector3>;
+    Vector3 sum = Vector3::Zero();
+    const At a(X + 3 * vertex);
+    for (int k = start[vertex]; k < start[vertex + 1]; ++k) {
+        const Corner& corner = corners[k];
+        Vector3 m;
+        double angle = 1;
+        if (dim == 2) {
+            const Vector3 e =
+                corner.next >= 0 ? At(X + 3 * corner.next) - a : a - At(X + 3 * corner.previous);
+            m = e.cross(Vector3::UnitZ());
+        } else {
+            const Vector3 u = At(X + 3 * corner.next) - a, w = At(X + 3 * corner.previous) - a;
+            m = u.cross(w), angle = std::atan2(m.norm(), u.dot(w));
+        }
+        if (m.norm() > 0) sum += angle * m.normalized();
+    }
+    return sum;
+}
+
 }  // namespace visviva

@@ -1,6 +1,7 @@
 // The surfaces of a contact: vertices that are linear forms of unknowns, so that no contact knows what it
 // touches, and facets of them.
 #pragma once
+#include <Eigen/Dense>
 #include <vector>
 
 #include "visviva/contact/segment.hpp"
@@ -60,6 +61,8 @@ struct NormalField {
     void build(const Skin&);
     void sum(const double* X, int vertex, double* m) const;
     bool normal(const double* X, int vertex, double* n) const;
+    /// Sum of unit normals weighted by angles: it tells inside from outside (Baerentzen & Aanaes 2005).
+    Eigen::Vector3d by_angles(const double* X, int vertex) const;
 };
 
 }  // namespace visviva

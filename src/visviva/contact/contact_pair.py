@@ -163,7 +163,10 @@ class Pair:
         frames, turns = self._turning(surface, radius, length, len(surface.forms))
         opposite = joined(*frames, frame_surface([frame], length))
         pair, half = self._paired(surface, opposite), np.array(core.half)
-        gaps = _core.obstacle(pair, surface.areas, radius, turns, core.kind, half, core.radius, length)
+        around = _around(surface)
+        gaps = _core.obstacle(
+            pair, surface.areas, radius, turns, core.kind, half, core.radius, length, around
+        )
         return GapFunctions(gaps, surface.size, length, opposite, turns)
 
     def _to_bar(self, other: Component, surface: Surface, radius: float, length: float) -> GapFunctions:
@@ -194,8 +197,10 @@ class Pair:
         if self.mortar:
             gaps = _core.mortar(pair, reach, surface.axisymmetric, self.dual)
         else:
-            areas, behind, rubs = surface.areas, surface.behind, self.rubs
-            gaps = _core.node_to_segment(pair, areas, behind, radius, reach, rubs, turns, length, self.copies)
+            areas, behind, rubs, around = surface.areas, surface.behind, self.rubs, _around(surface)
+            gaps = _core.node_to_segment(
+                pair, areas, behind, radius, reach, rubs, turns, length, self.copies, around
+            )
         return GapFunctions(gaps, size, reach, opposite, turns)
 
     def check_finer(self, surface: Surface, across: float) -> None:
@@ -225,3 +230,9 @@ class Pair:
             raise InputError(f"{self.label}: neither {self.first.label} nor {self._opponent} can move")
         pair: _core.Skin = skin(surface, opposite, *frames)
         return pair
+
+
+def _around(surface: Surface) -> NDArray[np.int32]:
+    """Facets that its points stand for, in one row."""
+    around = surface.around
+    return np.zeros(0, dtype=np.int32) if around is None else around.astype(np.int32).ravel()

@@ -91,6 +91,8 @@ class Surface:
         Its diameter.
     copies : int
         So many sets of the same points, one behind the other: see `repeated`.
+    around : array of int, (k, 4), optional
+        Facets of a rigid body that its points stand for.
     """
 
     forms: list[list[tuple[int, float]]]
@@ -106,6 +108,7 @@ class Surface:
     extent: Array | None = None
     across: float = 0.0
     copies: int = 1
+    around: Ints | None = None
 
     def gathered(self, values: Array, how: Any = np.sum) -> Any:
         """Of each point what `values` (copies n, ...) of its copies come to."""
@@ -368,7 +371,7 @@ def points_of(
     points, radius = feelers
     if radius == 0 and isinstance(component, RigidBody):  # vertices of its shape
         shape = _of_shape(component, faces, label)
-        return replace(shape, facets=NO_FACETS, thick=shape.behind), radius
+        return replace(shape, facets=NO_FACETS, thick=shape.behind, around=shape.facets), radius
     if faces != "all":
         _named(component, faces, label)  # round shapes have no faces, points neither
     thick = np.full(len(points), 2 * radius if radius > 0 else np.inf)
