@@ -5,7 +5,7 @@
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
 #include "visviva/point/quadratic.hpp"
-#include "visviva/point/thermoelastic.hpp"
+#include "visviva/point/thermoelastic_volumes.hpp"
 
 using namespace visviva;
 using namespace visviva::isa_test;
@@ -72,6 +72,9 @@ TEST_CASE("point: discrete gradients of every material that conducts heat give t
         for (const double slope : {0.0, 0.01}) {  // of the capacity, whose constant has a gradient of its own
             par[thermal::more] = broadcast(slope);
             check_gradient(ThermoelasticEnergy(par), 0.1 * numbers.vector(7), 0.1 * numbers.vector(7));
+            check_gradient(ThermoelasticEnergyOf<CentreVolume>(par), 0.1 * numbers.vector(13),
+                           0.1 * numbers.vector(13));
+            check_gradient(VolumePressureEnergy(par), 0.1 * numbers.vector(9), 0.1 * numbers.vector(9));
         }
     }
 }
@@ -104,6 +107,8 @@ static void check_map() {
 TEST_CASE("point: what is found of strain maps at compile time is what they say") {
     check_map<SolidMap>();
     check_map<SolidEntropyMap>();
+    check_map<CentreEntropyMap>();
+    check_map<VolumePressureMap>();
     check_map<ScalarMap>();
     check_map<BeamMap>();
     check_map<ShellMap>();

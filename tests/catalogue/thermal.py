@@ -486,6 +486,12 @@ THERMAL = [
     Entry("bodies that exchange heat", exchanging, NOTHING, steps=30),
     Entry("thermoelastic brick, table", lambda: [brick(heat=TABLE)], ALL, steps=30),
     Entry("thermoelastic brick, enhanced", lambda: [brick(formulation="enhanced")], ALL, h=0.01, steps=30),
+    Entry("thermoelastic brick, F-bar", lambda: [brick(formulation="F-bar")], ALL, h=0.01, steps=30),
+    Entry(
+        "thermoelastic brick, mixed", lambda: [brick(formulation="mixed", heat=TABLE)], ALL, h=0.01, steps=30
+    ),
+    Entry("thermoelastic brick, mixed hex27", lambda: [brick("hex27", formulation="mixed")], ALL, steps=10),
+    Entry("thermoelastic brick, mixed tet10", lambda: [brick("tet10", formulation="mixed")], ALL, steps=20),
     Entry("thermoelastic brick, user's", lambda: [users_brick()], ALL, steps=10, analytic=False),
     Entry("thermoelastic brick, heated", heated_brick, NOTHING, steps=30),
 ]

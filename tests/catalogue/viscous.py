@@ -78,6 +78,8 @@ VISCOUS = [
     Entry("viscoelastic brick, pulled", held, NOTHING, steps=30),
     Entry("viscoelastic plate", lambda: [plate("strain")], PLANE_MOMENTA, steps=40),
     Entry("thermoviscoelastic brick", lambda: [heated()], ALL, steps=40),
+    Entry("thermoviscoelastic brick, F-bar", lambda: [heated(formulation="F-bar")], ALL, h=0.01, steps=10),
+    Entry("thermoviscoelastic brick, mixed", lambda: [heated(formulation="mixed")], ALL, h=0.01, steps=10),
     Entry(
         "thermoviscoelastic brick, enhanced", lambda: [heated(formulation="enhanced")], ALL, h=0.01, steps=20
     ),

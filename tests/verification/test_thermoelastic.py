@@ -349,9 +349,29 @@ def test_conduction_turns_with_the_body() -> None:
     np.testing.assert_allclose(ends[1], ends[0], atol=1e-3)
 
 
-BAD = [
+def ideal(C: Any, T: Any) -> Any:
+    return 0.5 * (C[0] + C[1] + C[2] - 3) + T - 20 - T * np.log(T / 20)
+
+
+BAD: list[tuple[dict[str, Any], str]] = [
     ({"temperature": -3.0}, "absolute zero"),
-    ({"formulation": "F-bar"}, "does not conduct heat; take 'enhanced'"),
+    (
+        {"formulation": "F-bar", "material": None, "heat": vv.UserHeat(function=ideal, conductivity=1.0)},
+        "'F-bar' is not for UserHeat; take 'enhanced'",
+    ),
+    (
+        {"formulation": "mixed", "mesh": vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="tet4")},
+        "pressures of tet4 would oscillate beside temperatures; take cells of second order",
+    ),
+    (
+        {
+            "formulation": "mixed",
+            "mesh": vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="hex27"),
+            "material": vv.NeoHooke(shear=1.0, poisson=0.5),
+            "heat": vv.Heat(conductivity=1.0, capacity=1.0),
+        },
+        "pressures and heat need a material whose volume changes",
+    ),
     ({"material": vv.LinearElastic(young=1.0, poisson=0.3)}, "no material of finite strains"),
     ({"mesh": vv.RectangleMesh(size=(1, 1), counts=(1, 1))}, "mesh in space"),
     ({"thermal_strain": 0.1}, "thermal_strain"),

@@ -4,6 +4,39 @@
 
 namespace visviva::VISVIVA_ISA {
 
+/// The potential of W(Cbar(e)) from that of an energy of tensors and Cbar - I as jets of the strains of its
+/// owner.
+template <bool second, class Owner, class Energy, class Strain, int n = Owner::n>
+void evaluate_at(const Owner&, const Energy& energy, const V* e, Strain&& strain, Potential<n>& p) {
+    using J = Jet<n, second>;
+    J variables[n], bar[6];
+    V values[6];
+    for (int k = 0; k < n; ++k) variables[k] = J::variable(e[k], k);
+    strain(variables, bar);
+    for (int k = 0; k < 6; ++k) values[k] = bar[k].v;
+    Response r;
+    energy.template evaluate<second>(values, r);
+    p.W = r.W;
+    for (int a = 0; a < n; ++a) {
+        V sum{}, row[6];
+        for (int k = 0; k < 6; ++k) sum += tensor_weight(k) * r.s[k] * bar[k].g[a];
+        p.s[a] = sum / Owner::weight(a);
+        if constexpr (second) {
+            for (int l = 0; l < 6; ++l) {
+                row[l] = V{};
+                for (int k = 0; k < 6; ++k)
+                    row[l] += (tensor_weight(k) * tensor_weight(l)) * r.second(k, l) * bar[k].g[a];
+            }
+            for (int b = a; b < n; ++b) {
+                V h{};
+                for (int l = 0; l < 6; ++l)
+                    h += row[l] * bar[l].g[b] + tensor_weight(l) * r.s[l] * bar[l].h[packed(n, a, b)];
+                p.d[packed(n, a, b)] = h / (Owner::weight(a) * Owner::weight(b));
+            }
+        }
+    }
+}
+
 /// F-bar of an energy: W(Cbar) of C and C0 at the element's centre, Cbar = (det C0 / det C)^(1/3) C; in plane
 /// strain the part in the plane is scaled alone, by the square root of its determinants. The twelve strains
 /// are quadratic in the positions, so that the discrete gradient conserves; de Souza Neto et al. (1996) put
@@ -35,33 +68,7 @@ struct FbarEnergy : TensorEnergy {
 
     template <bool second>
     void evaluate(const V* c, Potential<12>& p) const {
-        using J = Jet<12, second>;
-        J variables[12], bar[6];
-        V values[6];
-        for (int k = 0; k < 12; ++k) variables[k] = J::variable(c[k], k);
-        strain(variables, bar);
-        for (int k = 0; k < 6; ++k) values[k] = bar[k].v;
-        Response r;
-        energy.template evaluate<second>(values, r);
-        p.W = r.W;
-        for (int a = 0; a < 12; ++a) {
-            V sum{}, row[6];
-            for (int k = 0; k < 6; ++k) sum += weight(k) * r.s[k] * bar[k].g[a];
-            p.s[a] = sum / weight(a);
-            if constexpr (second) {
-                for (int l = 0; l < 6; ++l) {
-                    row[l] = V{};
-                    for (int k = 0; k < 6; ++k)
-                        row[l] += (weight(k) * weight(l)) * r.second(k, l) * bar[k].g[a];
-                }
-                for (int b = a; b < 12; ++b) {
-                    V h{};
-                    for (int l = 0; l < 6; ++l)
-                        h += row[l] * bar[l].g[b] + weight(l) * r.s[l] * bar[l].h[packed(12, a, b)];
-                    p.d[packed(12, a, b)] = h / (weight(a) * weight(b));
-                }
-            }
-        }
+        evaluate_at<second>(*this, energy, c, [this](const auto* e, auto* bar) { strain(e, bar); }, p);
     }
 };
 

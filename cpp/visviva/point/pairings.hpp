@@ -23,7 +23,7 @@ struct Number<n, false> {
 
 /// View of a pairing, values alone or with derivatives by the local unknowns at the end, each found when it
 /// is asked for: stresses s(k) (of the strains of the energy, the first ones of the map), strains e(k) at
-/// theta (at the end of what acts there), their change(k) in the step, rate(k).
+/// theta (at the end of what acts there), at_end(k), their change(k) in the step, rate(k).
 template <class Element, bool slopes>
 struct PointState {
     using Rows = typename Element::Rows;
@@ -56,8 +56,9 @@ struct PointState {
             }
         return value;
     }
-    VISVIVA_INLINE T change(int k) const {
-        T value = Value::of(p.e1[k] - p.e0[k], nullptr);
+    VISVIVA_INLINE T change(int k) const { return at_end(k, p.e0[k]); }
+    VISVIVA_INLINE T at_end(int k, V less = V{}) const {
+        T value = Value::of(p.e1[k] - less, nullptr);
         if constexpr (slopes)
             for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i)
                 value.g[Rows::sparse.entry[i].j] = p.B1[i];

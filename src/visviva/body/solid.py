@@ -215,12 +215,16 @@ class Solid(MeshBody):
             )
         elif self.formulation == "mixed":
             self._pressure_numbers, own = forms.pressure_numbers(self.grid)
-            bulk = self.body_material.split().bulk
-            free = bool(np.isinf(bulk)) and not any(cell in forms.STABILISED for cell in self.grid.cells)
-            if bulk > forms.STIFFEST * self.body_material.lame[1]:
+            if self.body_material.split().bulk > forms.STIFFEST * self.body_material.lame[1]:
                 own[:] = -1
-            role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
-            self._inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
+            self._declare_pressures(model, own)
+
+    def _declare_pressures(self, model: Model, own: Ints) -> None:
+        """Make the unknowns of pressures, each of the element `own` (n,) alone, or of several (-1)."""
+        free = bool(np.isinf(self.body_material.split().bulk))
+        free = free and not any(cell in forms.STABILISED for cell in self.grid.cells)
+        role = Role.MULTIPLIER if free else Role.SOLID_PRESSURE
+        self._inner = model.field(self, "pressure", 0.0 * own, role=role, stage=1, element=own)
 
     def contribute(self, model: Model) -> None:
         thin = (

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body import formulation as forms
-from visviva.body.element import Geometry, geometry, solid_rule
+from visviva.body.element import geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
@@ -27,6 +27,7 @@ from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.dilated_cells import CentreCells, PressedCells
 from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+KINDS = {"F-bar": PhysicsKind.THERMOELASTIC_FBAR, "mixed": PhysicsKind.THERMOELASTIC_MIXED}
+"""Physics of formulations whose change of volume is not that of the point."""
 LOCKING, SWINGING = 1.0, 20.0
 """Couplings of heat and strains from which on linear cells lock (``benchmarks/held_heat.py``), and steps swing."""
 
@@ -46,7 +49,7 @@ LOCKING, SWINGING = 1.0, 20.0
 class ThermoelasticSolid(Solid, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
-    Takes the arguments of `Solid`, on meshes in space with ``formulation="displacement"`` or ``"enhanced"``, and
+    Takes the arguments of `Solid`, on meshes in space, and
 
     Parameters
     ----------
@@ -62,8 +65,10 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     energy-momentum scheme the total energy of an isolated body is kept to round-off, however temperatures differ from
     place to place, and its entropy never falls (partitioned discrete gradients: Romero 2010, Gross & Betsch 2011).
     The ledger books the internal energy as "stored". Where heat and strain couple strongly, ``alpha^2 E T / c`` beyond
-    0.1, linear cells of displacements lock as those of nearly incompressible materials do: take enhanced or quadratic
-    ones.
+    0.1, linear cells of displacements lock as those of nearly incompressible materials do: take another formulation, or
+    quadratic ones. Temperatures of F-bar and mixed elements are those of the strain that their material feels. Mixed
+    ones have the change of volume ln J as an unknown, and in the same space the pressures that make it that of the
+    motion (Hu and Washizu): both laws hold as in elements of displacements.
 
     Examples
     --------
@@ -111,11 +116,13 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(
                 f"{self.label}: needs a mesh in space; a plane problem is one layer of cells there"
             )
-        if self.formulation not in ("displacement", "enhanced"):
+        if self.formulation in KINDS and self.heat.energy() is not None:
             raise InputError(
-                f"{self.label}: formulation = {self.formulation!r} does not conduct heat; take 'enhanced' with hex8, "
-                "or 'displacement' with cells of second order"
+                f"{self.label}: formulation = {self.formulation!r} is not for {type(self.heat).__name__}; take "
+                "'enhanced' with hex8, or 'displacement' with cells of second order"
             )
+        if self.formulation == "mixed":
+            self._refuse_pressures()
         if self.body_material.small or (self.body_material.energy is not None and self.heat.energy() is None):
             raise InputError(
                 f"{self.label}: {type(self.body_material).__name__} is no material of finite strains of the core; for "
@@ -125,6 +132,19 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(f"{self.label}: takes no thermal_strain, damping or lumped masses")
         if isinstance(self.heat, Heat):
             self._refuse_heat(self.heat)
+
+    def _refuse_pressures(self) -> None:
+        equal = [cell for cell in self.grid.cells if cell in forms.STABILISED]
+        if equal:
+            raise InputError(
+                f"{self.label}: pressures of {', '.join(equal)} would oscillate beside temperatures; take cells of "
+                "second order with formulation='mixed', or hex8"
+            )
+        if not np.isfinite(self.body_material.lame[0]):
+            raise InputError(
+                f"{self.label}: pressures and heat need a material whose volume changes; take a Poisson's ratio below "
+                "0.5, 0.4999 say"
+            )
 
     def _refuse_heat(self, heat: Heat) -> None:
         if heat.expansion and not np.isfinite(self.body_material.lame[0]):
@@ -146,7 +166,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         if number >= LOCKING and linear and self.formulation == "displacement":
             found.append(
                 f"{said}, so that it hardly changes its volume without heat, and linear cells lock: take "
-                "formulation='enhanced' with hex8, or cells of second order"
+                "formulation='enhanced', 'F-bar' or 'mixed' with hex8, or cells of second order"
             )
         if number >= SWINGING:
             found.append(
@@ -168,6 +188,11 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         self.entropy.beside = self.algorithmic.beside = self.motion
         self._is_held = False
 
+    def _declare_pressures(self, model: Model, own: Ints) -> None:
+        """Make the change of volume, ln J, and behind each of its unknowns the pressure that tests it."""
+        twice = np.repeat(own, 2)
+        self._inner = model.field(self, "volume", 0.0 * twice, role=Role.STATE, stage=1, element=twice)
+
     def _vectors(self, nodes: Ints, first: int) -> Ints:
         """First unknowns (m, k) of the positions of cells, and of the modes that enhance their strains."""
         positions = self.node_unknowns(nodes)
@@ -180,8 +205,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         g = geometry(self.grid.points, nodes, cell, rule=rule)
         return forms.enhanced(self.grid.points, nodes, cell, g) if self.formulation == "enhanced" else g
 
-    def _groups(self, cell: str, nodes: Ints, first: int, g: Any, N: Array) -> list[Group]:
-        """Positions, entropies and temperatures of cells, with values and gradients of the latter."""
+    def _groups(self, cell: str, nodes: Ints, first: int, g: Any, rule: Rule) -> list[Group]:
+        """Positions, entropies and temperatures of cells, with values and gradients of the latter, and what else."""
+        N = CELLS[cell].N(rule.points)
         k = nodes.shape[1]
         gradients = g.gradients[:, :, :k]
         of_value = np.broadcast_to(N[None, :, :, None], (*gradients.shape[:3], 1))
@@ -189,13 +215,33 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
         if mass is not None and self.formulation == "enhanced":
             mass = forms.without_mass(mass, k, 3)
-        return [
-            Group(self._vectors(nodes, first), g.gradients, mass, True),
+        of_vectors = g.gradients
+        if self.formulation == "F-bar":
+            centre = np.broadcast_to(self._gradients_at_centre(cell, nodes)[:, None], gradients.shape)
+            of_vectors = np.concatenate([gradients, centre], axis=3)
+        groups = [
+            Group(self._vectors(nodes, first), of_vectors, mass, True),
             Group(self.entropy.start + nodes, scalar),
             Group(self.algorithmic.start + nodes, scalar),
         ]
+        if self.formulation == "mixed":
+            shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)[..., None]
+            own = self._volumes(cell)
+            groups = [groups[0], Group(own, shapes), *groups[1:], Group(own + 1, shapes)]
+        return groups
 
-    def _stressed(self, nodes: Ints, vectors: Ints, g: Geometry, N: Array) -> StressedCells:
+    def _gradients_at_centre(self, cell: str, nodes: Ints) -> Array:
+        """Gradients (m, k, 3) at the centres of cells."""
+        return forms.centre(self.grid.points, nodes, cell, axisymmetric=False).gradients[:, 0]
+
+    def _volumes(self, cell: str) -> Ints:
+        """Unknowns (m, p) of the change of volume of cells."""
+        return np.asarray(self._inner.start + 2 * self._pressure_numbers[cell])
+
+    def _stressed(self, cell: str, nodes: Ints, first: int, rule: Rule) -> StressedCells:
+        g, N = self._geometry(cell, nodes, rule), CELLS[cell].N(rule.points)
+        vectors = self._vectors(nodes, first)
+
         def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
             _, S, e = self._state(x[self.entropy.start + of] @ N.T, C)
             return S, e
@@ -203,7 +249,13 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         def deforming(x: Array, some: slice) -> Array:
             return np.asarray(x[vectors[some, :, None] + np.arange(3)])
 
-        return StressedCells(nodes, g.gradients, g.volume, N, deforming, respond)
+        common = (nodes, g.gradients, g.volume, N, deforming, respond)
+        if self.formulation == "F-bar":
+            return CentreCells(*common, centre=self._gradients_at_centre(cell, nodes))
+        if self.formulation == "mixed":
+            shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
+            return PressedCells(*common, shapes=shapes, numbers=self._volumes(cell))
+        return StressedCells(*common)
 
     def _state(self, s: Array, C: Array) -> tuple[Array, Array, Array]:
         """Temperatures (m, q), stresses (m, q, 6) and energies (m, q) of entropies (m, q) and C (m, q, 6)."""
@@ -212,20 +264,16 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     def _made(self, model: Model, cell: str, nodes: Ints, first: int) -> Elements:
         rule = mass_rule(cell)  # the entropies' own rule would leave some of them without a temperature
-        g, N, vectors = (
-            self._geometry(cell, nodes, rule),
-            CELLS[cell].N(rule.points),
-            self._vectors(nodes, first),
+        g = self._geometry(cell, nodes, rule)
+        groups, constants = (
+            self._groups(cell, nodes, first, g, rule),
+            self.heat.parameters(self.body_material),
         )
-        groups, constants = self._groups(cell, nodes, first, g, N), self.heat.parameters(self.body_material)
-        kind, energy = PhysicsKind.THERMOELASTIC, self.heat.energy()
+        kind, energy = KINDS.get(self.formulation, PhysicsKind.THERMOELASTIC), self.heat.energy()
         self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
-        self._evaluations.append(self._stressed(nodes, vectors, g, N))
+        self._evaluations.append(self._stressed(cell, nodes, first, rule))
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
-        looks = self._stressed(
-            nodes, vectors, self._geometry(cell, nodes, shown), CELLS[cell].N(shown.points)
-        )
-        return looks.elements(cell, first)
+        return self._stressed(cell, nodes, first, shown).elements(cell, first)
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False

@@ -1,0 +1,155 @@
+// Solids whose material conducts heat, with a change of volume that is not that of the point: F-bar and
+// mixed.
+#pragma once
+#include "visviva/point/maps.hpp"
+#include "visviva/point/thermoelastic.hpp"
+
+namespace visviva::VISVIVA_ISA {
+
+/// F-bar: C at the point and C0 at the element's centre, which tells J.
+struct CentreVolume {
+    static constexpr int n = 12;
+    static constexpr double weight(int k) { return tensor_weight(k); }
+    template <bool second>
+    static void evaluate(const MaterialEnergy& energy, const V* e, Potential<n>& w, Potential<n>& log_j) {
+        FbarEnergy<MaterialEnergy>{{}, energy, false, 3}.evaluate<second>(e, w);
+        Response centre;
+        VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<second>(e + 6, centre);
+        log_j.W = centre.W;
+        for (int k = 0; k < n; ++k) {
+            log_j.s[k] = k < 6 ? V{} : centre.s[k - 6];
+            for (int l = k; second && l < n; ++l)
+                log_j.d[packed(n, k, l)] = k < 6 ? V{} : centre.second(k - 6, l - 6);
+        }
+    }
+};
+
+/// (C, C0, s, grad s, theta, grad theta): gradients of positions at the point and at the centre.
+struct CentreEntropyMap : Layout<CentreEntropyMap> {
+    static constexpr bool couples(int g, int h) { return SolidEntropyMap::couples(g, h); }
+    static constexpr int tested(int g) { return g == 2 ? 1 : groups[g].columns; }
+    static constexpr int tried(int g) { return g == 1 ? 1 : groups[g].columns; }
+    static constexpr int n_groups = 3, n_components = 5, n_local = 26, n_strains = 20;
+    static constexpr Group groups[] = {{3, 6, 2}, {1, 4, 1}, {1, 4, 0, true}};
+    static constexpr double origin(int j) { return j < 18 && j / 6 == j % 3 ? 1.0 : 0.0; }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        T F[9] = {}, centre[9] = {};
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) F[3 * i + k] = y[6 * i + k], centre[3 * i + k] = y[6 * i + 3 + k];
+        right_cauchy_green(F, e), right_cauchy_green(centre, e + 6);
+        for (int k = 0; k < 8; ++k) e[12 + k] = y[18 + k];
+    }
+};
+
+struct CentreHeatPairing : HeatPairing {
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        forces_behind<12>(z, f);
+    }
+};
+
+/// Mixed: the energy is that of exp(G) for J, W(Cbar) with Cbar = (exp(2 G) / det C)^(1/3) C.
+struct GivenVolume {
+    static constexpr int n = 7;
+    static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+    template <class T>
+    static void strain(const T* e, T* bar) {
+        const T t = expm1((1.0 / 3) * (2.0 * e[6] - log1p(determinant_less_one(e))));
+        for (int k = 0; k < 6; ++k) bar[k] = k < 3 ? e[k] + t * e[k] + t : e[k] + t * e[k];
+    }
+    template <bool second>
+    static void evaluate(const MaterialEnergy& energy, const V* e, Potential<n>& w, Potential<n>& log_j) {
+        evaluate_at<second>(GivenVolume(), energy, e, [](const auto* of, auto* bar) { strain(of, bar); }, w);
+        log_j.W = e[6];
+        for (int k = 0; k < n; ++k) log_j.s[k] = broadcast(k < 6 ? 0.0 : 1.0);
+        if (second) clear(log_j.d, n * (n + 1) / 2);
+    }
+};
+
+/// e(C, G, s) + p (ln J(C) - G) of (C, G, s, p): G is the change of volume that the pressures see, in their
+/// space, p what makes it that of C. A step has one pressure, that of its end: with ln J by its discrete
+/// gradient p changes no energy where the equation of p holds at both ends of the step.
+struct VolumePressureEnergy : PlainEnergy {
+    static constexpr int n = 9, max_par = thermal::n_par;
+    static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
+    using Base = ThermoelasticEnergyOf<GivenVolume>;
+    Base energy;
+    explicit VolumePressureEnergy(const V* par) : energy(par) {}
+    static VolumeEnergy logarithm() { return {{}, VolumeMeasure::logarithm, V{}}; }
+
+    template <bool second>
+    void evaluate(const V* z, Potential<n>& to) const {
+        Potential<8> base;
+        Response log;
+        energy.evaluate<second>(z, base), logarithm().evaluate<second>(z, log);
+        to.W = base.W + z[8] * (log.W - z[6]), to.s[8] = log.W - z[6];
+        for (int k = 0; k < 8; ++k) {
+            to.s[k] = base.s[k] + z[8] * (k < 6 ? log.s[k] : broadcast(k == 6 ? -1.0 : 0.0));
+            if constexpr (second) {
+                for (int l = k; l < 8; ++l)
+                    to.d[packed(n, k, l)] = base.second(k, l) + (l < 6 ? z[8] * log.second(k, l) : V{});
+                to.d[packed(n, k, 8)] = k < 6 ? log.s[k] : broadcast(k == 6 ? -1.0 : 0.0);
+            }
+        }
+        if constexpr (second) to.d[packed(n, 8, 8)] = V{};
+    }
+    /// Of strains as they stand.
+    template <bool tangent>
+    void discrete_gradient(const V* z0, const V* z1, V* s, V* T) const {
+        V base[8], moduli[64], log[6], slopes[36];
+        Response start;
+        energy.discrete_gradient<tangent>(z0, z1, base, moduli);
+        VISVIVA_ISA::discrete_gradient<tangent>(logarithm(), z0, z1, log, slopes);
+        logarithm().evaluate<false>(z0, start);
+        for (int k = 0; tangent && k < n * n; ++k) T[k] = V{};
+        for (int k = 0; k < 8; ++k) {
+            const V by = k < 6 ? weight(k) * log[k] : broadcast(k == 6 ? -1.0 : 0.0);
+            s[k] = base[k] + z1[8] * by;
+            for (int l = 0; tangent && l < 8; ++l) {
+                T[n * k + l] = moduli[8 * k + l];
+                if (k < 6 && l < 6) T[n * k + l] += (weight(k) * weight(l)) * z1[8] * slopes[6 * k + l];
+            }
+            if (tangent) T[n * k + 8] = by;
+        }
+        s[8] = start.W - z0[6];
+    }
+};
+
+/// (C, G, s, p, grad s, theta, grad theta)
+struct VolumePressureMap : Layout<VolumePressureMap> {
+    static constexpr bool couples(int g, int h) {
+        constexpr bool table[5][5] = {
+            {1, 1, 1, 0, 1}, {1, 1, 1, 0, 1}, {1, 0, 1, 1, 0}, {1, 1, 1, 1, 0}, {1, 1, 0, 0, 0}};
+        return table[g][h];
+    }
+    static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }
+    static constexpr int tried(int g) { return g == 2 ? 1 : groups[g].columns; }
+    static constexpr int n_groups = 5, n_components = 7, n_local = 19, n_strains = 16;
+    static constexpr Group groups[] = {{3, 3, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}, {1, 1, 0, true}};
+    static constexpr double origin(int j) { return identity_entry(j); }
+    template <class T>
+    static constexpr void strains(const T* y, T* e) {
+        right_cauchy_green(y, e);
+        e[6] = y[9], e[7] = y[10], e[8] = y[18];
+        for (int k = 0; k < 7; ++k) e[9 + k] = y[11 + k];
+    }
+};
+
+/// HeatPairing, and that ln J - G vanishes at the end of the step, tested by the pressures.
+struct VolumePressurePairing : HeatPairing {
+    template <class State>
+    static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
+        using T = typename State::T;
+        T C[6], end[6], slope[3], heat[8];
+        const bool in_space = z.par[thermal::spatial][0] > 0;
+        for (int a = 0; a < 7; ++a) f[a] = z.s(a);
+        for (int a = 0; a < 6; ++a) C[a] = z.e(a), end[a] = z.at_end(a);
+        for (int a = 0; a < 3; ++a) slope[a] = z.e(13 + a);
+        balance(z.e(12), slope, z.rate(7), z.s(7), z.par, in_space ? C : nullptr, heat);
+        f[7] = heat[0], f[8] = 0.5 * log1p(determinant_less_one(end)) - z.at_end(6);
+        for (int a = 0; a < 7; ++a) f[9 + a] = heat[1 + a];
+    }
+};
+
+}  // namespace visviva::VISVIVA_ISA
