@@ -81,6 +81,35 @@ def test_a_conductance_leaves_a_jump(cell: str) -> None:
     assert vv.HeatFlow(body=first, nodes="x0")(system) == pytest.approx(flow, rel=1e-10)
 
 
+@pytest.mark.parametrize(
+    ("cell", "other"),
+    [("tet4", "tet4"), ("hex20", "hex20"), ("hex27", "hex8"), ("tet4", "body")],
+)
+def test_a_conductance_leaves_a_jump_between_solids_too(cell: str, other: str) -> None:
+    """The same in series at absolute temperatures: pairs of faces share unlike numbers of points, and heat is divided
+    by the temperature at each."""
+
+    def solid(mesh: vv.Mesh) -> vv.ThermoelasticSolid:
+        heat = vv.Heat(conductivity=2.0, capacity=1.0, reference=300.0)
+        return vv.ThermoelasticSolid(mesh=mesh, material=vv.NeoHooke(young=1e3, poisson=0.3), heat=heat)
+
+    first, second = solid(block(cell, True)), solid(block(cell if other == "body" else other, False))
+    if other == "body":
+        second = vv.ThermalBody(mesh=second.grid, conductivity=2.0, temperature=300.0)
+    tie = vv.HeatTie(first=first, first_faces="x1", second=second, second_faces="x0", conductance=4.0)
+    solids = [body for body in (first, second) if isinstance(body, vv.ThermoelasticSolid)]
+    held = [
+        vv.PrescribedTemperature(body=first, nodes="x0", value=320.0),
+        vv.PrescribedTemperature(body=second, nodes="x1", value=300.0),
+        *(vv.Fixed(solid=body, nodes="all") for body in solids),
+    ]
+    system = vv.System([first, second, tie, *held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    flow = 20.0 / (0.5 + 0.25 + 0.5)
+    assert first.temperatures(system.x)[first.nodes("x1")] == pytest.approx(320 - flow / 2, abs=1e-6)
+    assert second.temperatures(system.x)[second.nodes("x0")] == pytest.approx(300 + flow / 2, abs=1e-6)
+
+
 @pytest.mark.parametrize("conductance", [None, 3.0])
 def test_insulated_bodies_exchange_what_they_have(conductance: float | None) -> None:
     """In time: the heat of both together stays as it is to rounding, and they end at the mean."""

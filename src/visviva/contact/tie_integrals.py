@@ -173,8 +173,8 @@ class MortarSurfaces:
     def shared_points(self) -> Iterator[tuple[tuple[Ints, Ints], tuple[Array, Array], Array]]:
         """Points that both surfaces share, by pairs of faces of each pair of types.
 
-        Vertices (m, k1) and (m, k2) of the faces, shape functions (m, q, k1) and (m, q, k2) there, and areas (m, q),
-        zero of points that only other pairs have.
+        Vertices (m, k1) and (m, k2) of the faces, shape functions (m, q, k1) and (m, q, k2) there, and areas (m, q).
+        Pairs with fewer points have their first one again, with no area: laws that divide by a temperature find one.
         """
         faces, size, first, second = self._by_point()
         pairs, number = np.unique(faces, axis=0, return_inverse=True)
@@ -193,7 +193,11 @@ class MortarSurfaces:
             at, q = row[number[here]], place[here]
             k = [CELLS[p.kinds[t]].n_nodes for p, t in zip(self.parents, (a, b), strict=True)]
             area = np.zeros((len(mine), int(q.max()) + 1))
-            N = [np.zeros((*area.shape, n)) for n in k]
+            begin = order[np.searchsorted(number, mine)]
+            N = [
+                np.repeat(of[begin][:, None, :n], area.shape[1], axis=1)
+                for of, n in zip((first, second), k, strict=True)
+            ]
             area[at, q] = size[order][here]
             for shape, values, n in zip(N, (first, second), k, strict=True):
                 shape[at, q] = values[order][here][:, :n]

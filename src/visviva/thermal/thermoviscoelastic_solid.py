@@ -43,7 +43,8 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
     -----
     Every branch has a viscous strain of its own at every quadrature point. What its dashpots dissipate, a quadratic
     form of the discrete force that drives them, is heat that arises at the temperature of the step: the total energy
-    of an isolated body is kept to round-off, and its entropy never falls.
+    of an isolated body is kept to round-off, and its entropy never falls. Fields of stress, and measures that read
+    them, are those of the material alone, without the branches, as those of `ViscoelasticSolid`.
 
     Examples
     --------
