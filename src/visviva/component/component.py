@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
 from copy import deepcopy
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, fields
 from types import FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,6 +19,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.arguments import MADE, Validated, fixed
 from visviva.base.errors import InputError
 from visviva.component.momentum import EVERYWHERE, Axes
+from visviva.component.within import within
 from visviva.model.field import Vectors
 from visviva.model.form import Vector
 
@@ -441,18 +442,7 @@ def refuse_absent(whose: str, given: Mapping[str, Any], here: Set[int]) -> None:
 
 def mentioned(value: Any) -> Iterator[Component]:
     """Components that an argument is, attaches to, or measures."""
-    if isinstance(value, Component):
-        yield value
-    elif isinstance(value, list | tuple):
-        for item in value:
-            if isinstance(item, float | int | str):
-                return
-            yield from mentioned(item)
-    elif isinstance(value, dict):
-        yield from mentioned(list(value.values()))
-    elif is_dataclass(value) and not isinstance(value, type):  # points, frames, measures
-        for f in fields(value):
-            yield from mentioned(getattr(value, f.name))
+    return within(value, Component)
 
 
 def characteristic_length(components: Sequence[Component]) -> float:

@@ -30,6 +30,8 @@ class Driving:
         Unknowns that move as functions of time.
     kinks : dict of float to set of int
         Times at which what is driven gets another rate at once, and the accounts that this concerns.
+    given : set of float
+        Times at which some function of time that a component was given has a kink, whatever it is for.
     drives : list of tuple of int
         Multipliers of driven constraints, and their accounts.
     is_driven, has_servo : bool
@@ -40,6 +42,7 @@ class Driving:
     rated: set[int] = field(default_factory=set)
     prescribed: list[Prescription] = field(default_factory=list)
     kinks: dict[float, set[int]] = field(default_factory=dict)
+    given: set[float] = field(default_factory=set)
     drives: list[tuple[int, int]] = field(default_factory=list)
     is_driven: bool = False
     has_servo: bool = False
@@ -90,5 +93,5 @@ class Driving:
         return {account for t, accounts in self.kinks.items() if start < t <= end for account in accounts}
 
     def all_kinks(self) -> list[float]:
-        """Signals, those of loads included, in order."""
-        return sorted({t for f in self.signals for t in f.kinks} | set(self.kinks))
+        """Of all that depends on time, in order."""
+        return sorted({t for f in self.signals for t in f.kinks} | set(self.kinks) | self.given)

@@ -186,8 +186,6 @@ class PhaseBody(Meshed):
         places = [*range(n)] * self.free_energy.changes
         places += [*range(first, len(constants(0.0)))] * self._mobility.changes
         account = model.account(component, "temperature", "work")
-        for part in changing:
-            model.driving.bend(part.temperature.kinks, account)
         signals = [(k, model.signal(lambda t, k=k: constants(t)[k])) for k in places]
         term.drive(signals, account)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,8 +11,11 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.errors import InputError
+from visviva.base.timefunction import TimeFunction
 from visviva.base.world import world
 from visviva.component.announcements import SharedOut
+from visviva.component.component import Component
+from visviva.component.within import within
 from visviva.model.field import Role
 from visviva.model.stencil import inertia_terms, strain_terms
 
@@ -45,6 +50,7 @@ def build_core(system: System) -> _core.System:
     if any(c.collides for c in system.components):
         core.set_islands(*islands(model))
     model.entropies.hand_over(core)
+    model.driving.given.update(kinks_given(system))
     hand_driving(core, model.driving)
     core.set_prescribed(*held)
     hand_reductions(core, system)
@@ -53,6 +59,14 @@ def build_core(system: System) -> _core.System:
     if resting:
         core.set_monotone([u for f in resting for u in np.asarray(f.unknowns)[~f.fixed].tolist()])
     return core
+
+
+def kinks_given(system: System) -> Iterator[float]:
+    """Times at which functions of time have kinks that its components were given, whatever for."""
+    for c in system.components:
+        for f in fields(c):
+            given = within(getattr(c, f.name), TimeFunction, (Component,))
+            yield from (t for function in given for t in function.kinks)
 
 
 def hand_driving(core: _core.System, driving: Driving) -> None:
