@@ -27,19 +27,20 @@ void bind_flow(nb::module_& m) {
             "__init__",
             [](FlowTerm* t, double density, double viscosity, bool convects, const Ints& index,
                const Doubles& N, const Doubles& M, const Doubles& gradients, const Doubles& volume,
-               const Doubles& positions, nb::object metric) {
+               const Doubles& positions, nb::object metric, std::vector<int> pressures) {
                 FlowData d{};
                 d.n = extent(volume, 0), d.n_points = extent(volume, 1), d.n_nodes = extent(N, 1),
                 d.n_pressures = extent(M, 1), d.dim = extent(gradients, 3);
                 d.density = density, d.viscosity = viscosity, d.convects = convects;
                 d.index = index.data(), d.N = N.data(), d.M = M.data(), d.gradients = gradients.data(),
                 d.volume = volume.data(), d.positions = positions.data();
+                d.pressures = std::move(pressures);
                 d.metric = metric.is_none() ? nullptr : nb::cast<Doubles>(metric).data();
                 new (t) FlowTerm(d);
             },
             nb::arg("density"), nb::arg("viscosity"), nb::arg("convects"), nb::arg("index"), nb::arg("N"),
             nb::arg("M"), nb::arg("gradients"), nb::arg("volume"), nb::arg("positions"),
-            nb::arg("metric").none())
+            nb::arg("metric").none(), nb::arg("pressures"))
         .def("set_force",
              [](FlowTerm& t, nb::object f, std::size_t size) { t.set_force(load_of(std::move(f), size)); })
         .def("scale_metric", [](FlowTerm& t, const Doubles& factor) { t.scale_metric(factor.data()); })

@@ -228,6 +228,36 @@ def turning() -> list[Any]:
     return [*hanging(), body, vv.RotatingFrame(angular_velocity=(0.3, -0.2, 0.5))]
 
 
+def flowing(**options: Any) -> list[Any]:
+    """Water through a channel, pulled along by a force that changes, and out at the end."""
+    mesh = vv.RectangleMesh(size=(2.0, 1.0), counts=(6, 4))
+    chosen = {
+        "mesh": mesh,
+        "density": 1.0,
+        "viscosity": 0.05,
+        "name": "water",
+        "body_force": ("sin(5*t)", "x", 0),
+    }
+    water = vv.Fluid(**(chosen | options))
+    profile = lambda t, X: 5 * t * X[:, 1:2] * (1 - X[:, 1:2]) * [4, 0, 0]  # noqa: E731
+    inlet = vv.VelocityBoundary(fluid=water, faces="x0", velocity=profile)
+    sides = ("y0", "y1", "z0", "z1")[: 2 * water.dimension - 2]
+    walls = [vv.NoSlip(fluid=water, faces=side) for side in sides]
+    return [water, inlet, *walls, vv.Outlet(fluid=water, faces="x1")]
+
+
+def carrying() -> list[Any]:
+    """A soft block in a cavity whose lid moves."""
+    water = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(1.0, 1.0), counts=(8, 8)), density=1.0, viscosity=0.1, name="water"
+    )
+    lid = vv.VelocityBoundary(fluid=water, faces="y1", velocity=("2*t", 0, 0))
+    walls = [vv.NoSlip(fluid=water, faces=side) for side in ("x0", "x1", "y0")]
+    mesh = vv.RectangleMesh(size=(0.35, 0.35), counts=(4, 4), origin=(0.3, 0.35))
+    solid = vv.Solid(mesh=mesh, material=RUBBER, density=2.0, name="soft")
+    return [water, lid, *walls, solid, vv.Immersed(solid=solid, fluid=water)]
+
+
 DYNAMICS, STATICS = vv.EnergyMomentum(), vv.Static()
 CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "flying": (flying, DYNAMICS),
@@ -263,6 +293,10 @@ CASES: dict[str, tuple[Callable[[], list[Any]], vv.Scheme]] = {
     "led": (led, vv.GeneralizedAlpha(0.0)),
     "pulled": (pulled, DYNAMICS),
     "turning": (turning, DYNAMICS),
+    "flowing": (lambda: flowing(elements="Q2Q1"), DYNAMICS),
+    "flowing, stabilised": (flowing, vv.BDF2()),
+    "flowing in space": (lambda: flowing(mesh=vv.BoxMesh(size=(2, 1, 1), counts=(4, 3, 2))), DYNAMICS),
+    "carrying": (carrying, DYNAMICS),
 }
 STEP, STEPS = 0.05, 4
 

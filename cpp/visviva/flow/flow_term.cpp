@@ -14,20 +14,12 @@ bool has_kernels(int dim, int nodes, int pressures) {
     return false;
 }
 
-std::vector<int> pressures(const FlowData& d) {
-    std::vector<int> found;
-    const int slots = d.n_nodes + d.n_pressures;
-    for (int e = 0; e < d.n; ++e)
-        found.insert(found.end(), d.index + e * slots + d.n_nodes, d.index + (e + 1) * slots);
-    return found;
-}
-
 }  // namespace
 
 FlowTerm::FlowTerm(const FlowData& d)
     : TermMemory("flow", 1),
       slots_(d.index, d.n, d.n_nodes + d.n_pressures, d.n_nodes == d.n_pressures ? 2 * d.n_nodes : d.n_nodes),
-      pressures_(pressures(d)),
+      pressures_(d.pressures),
       N_(d.N, d.N + d.n_points * d.n_nodes),
       M_(d.M, d.M + d.n_points * d.n_pressures) {
     if (!has_kernels(d.dim, d.n_nodes, d.n_pressures) || (d.n_nodes == d.n_pressures && !d.metric))

@@ -23,6 +23,7 @@ struct FlowData {
     const double *N, *M;                           // [point][node], [point][pressure]
     const double *gradients, *volume, *positions;  // [point][node][dim], [point], [node][dim]
     const double* metric;                          // [point][dim (dim + 1) / 2 + 1], or null
+    std::vector<int> pressures;  // unknown ones whose end values it finds: other processes may have elements
 };
 
 class FlowTerm : public Term, public MeshAssembly, public TermMemory {

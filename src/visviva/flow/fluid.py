@@ -12,6 +12,8 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError, RunError
+from visviva.body.solid_term import shared_out
+from visviva.component.announcements import SharedOut
 from visviva.component.component import settings
 from visviva.component.meshed import Meshed
 from visviva.component.momentum import Axes, axes_along, by_forces, joined
@@ -231,13 +233,20 @@ class Fluid(Meshed):
 
     def contribute(self, model: Model) -> None:
         self._loads: list[Any] = []  # functions that the core calls, which does not keep them alive
-        self._terms = [self._term(model, batch) for batch in self.batches]
+        own, first = shared_out(self.grid), 0
+        self._own: list[Ints] = []  # elements of each batch that this one of several processes adds
+        for batch in self.batches:
+            self._own.append(np.flatnonzero(own[first : first + len(batch.nodes)]))
+            first += len(batch.nodes)
+        pairs = zip(self.batches, self._own, strict=True)
+        self._terms = [self._term(model, batch, some) for batch, some in pairs]
         self._factors = [np.ones(len(batch.nodes)) for batch in self.batches]
         self._left_out = [np.zeros((len(batch.nodes), self.dimension)) for batch in self.batches]
         self._sealed: dict[Any, tuple[float, Array]] = {}
         self._thin: dict[Any, tuple[NDArray[np.bool_], Array]] = {}
         for term in self._terms:
             model.batch(term)
+            model.announce(self, SharedOut(term))
 
     def seal(self, owner: object, factor: float, unknowns: Any) -> None:
         """Stabilise elements less all of whose velocities are among `unknowns`, those of every owner together.
@@ -250,7 +259,7 @@ class Fluid(Meshed):
         for i, (batch, term) in enumerate(zip(self.batches, self._terms, strict=True)):
             factors = [np.where(at[batch.nodes].all(axis=1), f, 1.0) for f, at in self._sealed.values()]
             self._factors[i] = np.max(factors, axis=0)
-            term.scale_metric(self._factors[i])
+            term.scale_metric(self._factors[i][self._own[i]])
 
     def blind(self, owner: object, unknowns: Any, places: Array) -> None:
         """Stabilise elements, all of whose velocities are among `unknowns`, along a thin body at places (n, d) alone.
@@ -270,7 +279,7 @@ class Fluid(Meshed):
                     is_thin = np.abs(found).max(axis=1) > 0
                     directions[mine[is_thin]] = found[is_thin]
             self._left_out[i] = directions
-            term.blind(np.ascontiguousarray(directions))
+            term.blind(directions[self._own[i]])
 
     def node_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """First unknown of the velocity of each node."""
@@ -284,9 +293,12 @@ class Fluid(Meshed):
         """Unknowns (m, p) of the pressures at the corners of the elements of a cell type."""
         return np.asarray(self.pressure.start + self.pressure_number[cell], dtype=np.int32)
 
-    def _term(self, model: Model, batch: Batch) -> _core.FlowTerm:
+    def _term(self, model: Model, whole: Batch, some: Ints) -> _core.FlowTerm:
+        """The core's, of some elements of a batch."""
+        batch = Batch(whole.cell, whole.points, whole.nodes[some])
         gradients, volume = batch.geometry()
-        index = np.hstack([self.node_unknowns(batch.nodes), self.pressure_unknowns(batch.cell)])
+        pressures = self.pressure_unknowns(batch.cell)
+        index = np.hstack([self.node_unknowns(batch.nodes), pressures[some]])
         term = _core.FlowTerm(
             self.density,
             self.viscosity,
@@ -298,6 +310,7 @@ class Fluid(Meshed):
             np.ascontiguousarray(volume),
             np.ascontiguousarray(self.grid.points[batch.nodes]),
             batch.metric(),
+            np.unique(pressures).tolist(),  # all processes know them, and find them at the end of steps
         )
         term.name = self.label
         force = -1
