@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI  # noqa: F401  before PETSc, which may link to the MPI that comes with it
 from petsc4py import PETSc
 
 from visviva import _core

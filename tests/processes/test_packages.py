@@ -59,7 +59,7 @@ for problem, options in (
     (solid, "-ksp_rtol 1e-9 -ksp_rtoll 1e-9 -log_view"),
     (solid, "-ksp_rtol much"),
     (solid, "-pc_type nonsense"),
-    (joints, "-ksp_rtol 1e-9"),
+    (joints, "-mat_nothing 1"),
     (joints, "-ksp_rtol 1e-9 -pc_type lu"),
 ):
     try:
@@ -78,8 +78,7 @@ def test_options_that_no_solver_takes_are_refused_by_name(tmp_path: Path) -> Non
         assert "no solver here takes -ksp_rtoll, -log_view (" in told[1]
         assert "much has no numeric value" in told[2]
         assert "PC type nonsense" in told[3]
-        if not n:  # factors that processes share would take it
-            assert "no solver here takes -ksp_rtol (here are: factors of the core alone)" in told[4]
+        assert "no solver here takes -mat_nothing (here are: factors of " in told[4]
         assert "-pc_type lu" in told[5]
 
 
@@ -108,6 +107,52 @@ print(np.abs(system.x - own.x)[moving].max() < 1e-10 * np.abs(own.x - start)[mov
 def test_joints_are_solved_by_what_the_user_names(tmp_path: Path) -> None:
     """Their equations have no diagonal, which factors want to find."""
     assert said(0, JOINTED, tmp_path).split()[:2] == ["True", "PETSc:"]
+
+
+FACTORED = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+import visviva as vv
+from visviva.base.world import world
+
+def stepped(linear):
+    solid = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=100, poisson=0.3))
+    body, ground = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1.5, 0.5, 0.5)), vv.Ground()
+    held = vv.RigidCoupling(solid=solid, faces="x1")
+    weld = vv.Rigid(a=held, b=body, at=(1.2, 0.5, 0.5))
+    hinge = vv.Revolute(a=ground, b=body, at=(2.0, 0.5, 0.5), axis=(0, 1, 0))
+    parts = [solid, body, ground, held, weld, hinge, vv.Gravity(acceleration=(0, 0, -9.81))]
+    system = vv.System(parts, newton=vv.Newton(linear=linear))
+    start = system.x.copy()
+    vv.simulate(system, until=0.2, step=0.05, scheme=vv.BackwardEuler())
+    return system, start
+
+package, file = sys.argv[1:]
+if package == "none":
+    system, start = stepped(vv.Direct())
+    np.savez(file, x=system.x[system.order > 0], way=np.abs(system.x - start)[system.order > 0].max())
+elif not PETSc.Sys.hasExternalPackage(package):
+    print("missing")
+else:
+    system, _ = stepped(vv.Petsc(f"-pc_factor_mat_solver_type {package}"))
+    known = np.load(file)
+    if world().rank == 0:
+        told = f"with -pc_factor_mat_solver_type {package}" in system.linear_explanation and system.core.solver
+        print(np.abs(system.x[system.order > 0] - known["x"]).max() < 1e-10 * known["way"], told)
+"""
+
+
+@pytest.mark.parametrize("package", ["mumps", "superlu_dist"])
+def test_factors_that_processes_share_are_those_of_one(package: str, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(FACTORED)
+    for n, name in ((0, "none"), (2, package)):
+        done = launched(n, str(tmp_path / "script.py"), name, str(tmp_path / "known.npz"))
+        assert done.returncode == 0, done.stderr
+    if done.stdout.startswith("missing"):
+        pytest.skip(f"PETSc was built without {package}")
+    assert done.stdout.startswith("True PETSc: factors of")
 
 
 PIECES = """
