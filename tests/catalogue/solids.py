@@ -38,9 +38,10 @@ def flying(cell: str, counts: Sequence[int] = (2, 2, 2), **options: Any) -> Comp
     return [vv.Solid(mesh=vv.Mesh(X, mesh.cells), velocity=velocity, angular_velocity=turning, **more)]
 
 
-def flying_splines(dimension: int, **options: Any) -> Components:
+def flying_splines(dimension: int, degree: int = 2, **options: Any) -> Components:
     """A solid on splines that tumbles freely and swings."""
-    box = vv.SplineBox(size=(4.0, 3.2, 2.4)[:dimension], counts=(2, 2, 1)[:dimension], degree=2)
+    counts = (2, 2, 1) if degree == 2 else (2, 1, 1)
+    box = vv.SplineBox(size=(4.0, 3.2, 2.4)[:dimension], counts=counts[:dimension], degree=degree)
     turning = (0.0, 0.0, 3.0) if dimension == 2 else (0.9, 1.8, 3.0)
     more: Any = {"angular_velocity": turning, "velocity": (0.3, -0.2, 0.0)} | options
     return [vv.SplineSolid(mesh=box, material=vv.NeoHooke(young=100.0, poisson=0.3), density=1.0, **more)]
@@ -141,6 +142,8 @@ INCOMPRESSIBLE: Any = {"formulation": "mixed", "material": vv.NeoHooke(shear=10.
 SOLIDS = [
     Entry("splines in the plane", lambda: flying_splines(2, plane="stress"), ALL, steps=50),
     Entry("splines in space", lambda: flying_splines(3, velocity=np.sin), ALL, steps=30),
+    Entry("cubic splines in space", lambda: flying_splines(3, 3, velocity=np.sin), ALL, steps=20),
+    Entry("quartic splines in space", lambda: flying_splines(3, 4, velocity=np.sin), ALL, steps=10),
     Entry("solid, plane stress", lambda: flying("quad4", plane="stress"), ALL, steps=100),
     Entry("solid, F-bar", lambda: flying("hex8", (2, 1, 1), formulation="F-bar"), ALL, steps=50),
     Entry("solid, F-bar in the plane", lambda: flying("quad4", formulation="F-bar"), ALL, steps=100),

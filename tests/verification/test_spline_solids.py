@@ -295,12 +295,6 @@ def other(solid: vv.SplineSolid) -> vv.Solid:
         (lambda: beam(2, formulation="F-bar"), "splines need formulation = 'displacement'"),
         (lambda: beam(2, plane="axisymmetric"), "plane strain or stress"),
         (lambda: beam(2, lumped=True), "lumped = True"),
-        (
-            lambda: vv.SplineSolid(
-                mesh=vv.SplineBox(size=(1, 1, 1), counts=(2, 2, 2), degree=3), material=RUBBER
-            ),
-            "splines up to degree 2",
-        ),
         (lambda: vv.RigidCoupling(solid=beam(2), faces="x0"), "take vv.DistributedCoupling"),
         (lambda: vv.SymmetryPlane(solid=beam(2), nodes="x0", normal=(1, 1, 0)), "a plane across an axis"),
         (

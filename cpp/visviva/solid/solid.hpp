@@ -9,8 +9,8 @@
 namespace visviva {
 
 inline constexpr int solid_lanes = 8;
-inline constexpr int solid_max_nodes = 27;
-inline constexpr int solid_max_points = 27;
+inline constexpr int solid_common_nodes = 27;
+inline constexpr int solid_max_nodes = 125;  // splines of degree 4 in space
 inline constexpr int solid_max_pressures = 6;
 
 struct SolidView {

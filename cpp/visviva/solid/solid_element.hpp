@@ -1,5 +1,6 @@
 // Solid elements, W at a time: strains, stresses and forces.
 #pragma once
+#include "visviva/base/aligned.hpp"
 #include "visviva/material/discrete_gradient.hpp"
 #include "visviva/material/wrapped.hpp"
 #include "visviva/solid/solid.hpp"
@@ -29,7 +30,8 @@ struct SolidElement {
     const int block, lane;  // lane: first of the W lanes
     const int n_nodes;
     const bool ends;  // the state at the end of the step alone decides: there is no x0
-    alignas(64) V x0[solid_max_nodes * D], x1[solid_max_nodes * D];
+    static constexpr int max_nodes = N > 0 ? N : solid_max_nodes;
+    alignas(64) V x0[max_nodes * D], x1[max_nodes * D];
 
     VISVIVA_INLINE SolidElement(const SolidView& view, const Step& s, const Vectors& vectors, int b, int l)
         : v(view),
@@ -141,7 +143,7 @@ struct SolidElement {
         else if (step.stress == Stress::at_theta)
             strain(p.Ft, p.ct);
         if (v.damped) {
-            V u[solid_max_nodes * D];
+            V u[max_nodes * D];
             for (int a = 0; a < nodes(); ++a)
                 for (int c = 0; c < D; ++c) u[a * D + c] = at(x.rate, a, c);
             gradient(u, q, 0.0, p.rate);
@@ -293,7 +295,7 @@ struct SolidElement {
     }
 
     VISVIVA_INLINE void inertia(V* r) const {
-        V u[solid_max_nodes * D];
+        V u[max_nodes * D];
         for (int a = 0; a < nodes(); ++a)
             for (int c = 0; c < D; ++c) {
                 u[a * D + c] = at(x.second_rate, a, c);
@@ -304,6 +306,26 @@ struct SolidElement {
                 const V m = mass(a, b);
                 for (int c = 0; c < D; ++c) r[a * D + c] += m * u[b * D + c];
             }
+    }
+};
+
+/// The blocks of the matrix of W elements: on the stack but for those of splines of high degree, in room that
+/// each thread keeps.
+template <int D, int N>
+struct SolidBlocks {
+    alignas(64) V K[N * N * D * D];
+    explicit SolidBlocks(int) {}
+};
+template <int D>
+struct SolidBlocks<D, 0> {
+    static constexpr int most = solid_common_nodes * solid_common_nodes * D * D;
+    alignas(64) V own[most];
+    V* const K;
+    explicit SolidBlocks(int n) : K(n <= most ? own : room(static_cast<std::size_t>(n) * W)) {}
+    static V* room(std::size_t n) {
+        thread_local Aligned<double> kept;
+        if (kept.size() < n) kept.resize(n);
+        return reinterpret_cast<V*>(kept.data());
     }
 };
 

@@ -23,7 +23,7 @@ void each_element(const SolidView& v, const Step& step, const Vectors& x, int be
 
 void solid_residual(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* r) {
     each_element(v, step, x, begin, end, [r]<int D, int N>(const SolidElement<D, N>& e) {
-        V f[solid_max_nodes * D];
+        V f[e.max_nodes * D];
         e.forces(f);
         solid_scatter_forces(e, f, e.active(), r);
     });
@@ -146,7 +146,7 @@ void solid_fields(const SolidView& v, const Step& step, const Vectors& x, int be
 // Forces of the elements on their nodes: out [element - 8 begin][node][dim].
 void solid_forces(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, double* out) {
     each_element(v, step, x, begin, end, [=]<int D, int N>(const SolidElement<D, N>& e) {
-        V f[solid_max_nodes * D];
+        V f[e.max_nodes * D];
         e.forces(f);
         const int size = e.nodes() * D;
         put_rows(f, size, (e.block - begin) * L8 + e.lane, size, 0, e.active(), out);

@@ -7,7 +7,7 @@
 
 namespace visviva::VISVIVA_ISA {
 
-constexpr int mixed_max_unknowns = 3 * solid_max_nodes + solid_max_pressures;
+constexpr int mixed_max_unknowns = 3 * solid_common_nodes + solid_max_pressures;
 
 /// What maps build on; what they add is nothing unless they say otherwise.
 template <int D, int n>

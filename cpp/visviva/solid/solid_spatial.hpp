@@ -9,10 +9,12 @@
 namespace visviva::VISVIVA_ISA {
 
 template <int N, bool plain>
-struct SpatialTangent {
+struct SpatialTangent : SolidBlocks<3, N> {
+    using Blocks = SolidBlocks<3, N>;
+    using Blocks::K;
     const SolidElement<3, N>& e;
     double *const forces, *const values;
-    static constexpr int max_nodes = N > 0 ? N : solid_max_nodes;
+    static constexpr int max_nodes = SolidElement<3, N>::max_nodes;
     // Points at a time: what their blocks read stays in the first cache. Those of a brick, all at once, leave
     // the registers for where they belong.
     static constexpr int points = plain ? 8 : 4;
@@ -22,11 +24,10 @@ struct SpatialTangent {
     alignas(64) V C[points * (n_moduli + 6)];  // moduli and stress, times the volume
     alignas(64) V T[points * n_left];          // what g_a contracts them to, of one node
     alignas(64) V r[max_nodes * 3];
-    alignas(64) V K[max_nodes * max_nodes * 9];
     V smallest = broadcast(1e300);
 
     VISVIVA_INLINE SpatialTangent(const SolidElement<3, N>& element, double* to_forces, double* to_values)
-        : e(element), forces(to_forces), values(to_values) {
+        : Blocks(element.nodes() * element.nodes() * 9), e(element), forces(to_forces), values(to_values) {
         for (int a = 0; a < e.nodes() * 3; ++a) r[a] = V{};
         for (int first = 0; first < e.v.n_points; first += points)
             add_points(first, std::min(points, e.v.n_points - first));

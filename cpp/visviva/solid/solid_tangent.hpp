@@ -7,7 +7,9 @@
 namespace visviva::VISVIVA_ISA {
 
 template <int D, int N>
-struct SolidTangent {
+struct SolidTangent : SolidBlocks<D, N> {
+    using Blocks = SolidBlocks<D, N>;
+    using Blocks::K;
     // Points at a time: their moduli and factors stay in the first cache. Nodes at a time that share the
     // moduli, and blocks beside each other that share the left factor; as many as the registers hold.
     static constexpr int points = 4, rows = 2, columns = W == 8 ? 2 : 1;
@@ -17,13 +19,16 @@ struct SolidTangent {
     double *const forces, *const values;
     alignas(64) V A[points * 81];             // dP/dF of the points as [jN][iL], times the volume
     alignas(64) V T[rows * points * factor];  // G_a A of some nodes as [jN][i]
-    alignas(64) V K[(N > 0 ? N * N : solid_max_nodes * solid_max_nodes) * D * D];
-    alignas(64) V r[(N > 0 ? N : solid_max_nodes) * D];
+    alignas(64) V r[SolidElement<D, N>::max_nodes * D];
     V smallest = broadcast(1e300);
 
     VISVIVA_INLINE SolidTangent(const SolidElement<D, N>& element, bool half, double* to_forces,
                                 double* to_values)
-        : e(element), symmetric(half), forces(to_forces), values(to_values) {
+        : Blocks(element.nodes() * element.nodes() * D * D),
+          e(element),
+          symmetric(half),
+          forces(to_forces),
+          values(to_values) {
         for (int k = 0; k < e.nodes() * D; ++k) r[k] = V{};
         for (int first = 0; first < e.v.n_points; first += points)
             add_points(first, std::min(first + points, e.v.n_points));

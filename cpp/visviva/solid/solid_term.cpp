@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 
 namespace visviva {
 
@@ -13,6 +14,7 @@ constexpr int L8 = solid_lanes, task_blocks = 16;  // of tasks that write apart 
 SolidTerm::SolidTerm(const SolidData& d)
     : slots_(d.index, d.n, d.n_nodes + d.n_pressures, d.n_nodes + d.n_pressures) {
     const int na = d.n_nodes, nq = d.n_points;
+    if (na > solid_max_nodes) throw std::invalid_argument("an element has too many nodes");
     const int *from = slots_.index(), *end = from + std::int64_t{slots_.n_blocks()} * slots_.n_slots() * L8;
     for (; from != end; from += slots_.n_slots() * L8) {
         index_.insert(index_.end(), from, from + na * L8);

@@ -50,10 +50,6 @@ class OnSplines(Solid):
                 f"{self.label}: splines need formulation = 'displacement', plane strain or stress, and no lumped "
                 f"masses, not {self.formulation!r}, {self.plane!r}, lumped = {self.lumped}"
             )
-        if self.dimension == 3 and max(max(p.degrees) for p in self.splines.patches) > 2:
-            raise InputError(
-                f"{self.label}: solids in space stand on splines up to degree 2; refine them instead"
-            )
 
     def _checked_mesh(self) -> Mesh:
         try:

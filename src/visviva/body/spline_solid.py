@@ -32,7 +32,6 @@ class SplineSolid(OnSplines):
     Parameters
     ----------
     mesh : SplineBox, SplinePatch or SplinePatches
-        Of any degree in a plane, up to degree 2 in space.
 
     Notes
     -----

@@ -28,7 +28,7 @@ class SplineMixtureSolid(OnSplines, MixtureSolid):
     Parameters
     ----------
     mesh : SplineBox, SplinePatch or SplinePatches
-        Of any degree in a plane, up to degree 2 in space; what holds it, loads it and touches it as `SplineSolid` says.
+        What holds it, loads it and touches it as `SplineSolid` says.
 
     Examples
     --------
