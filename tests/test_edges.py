@@ -414,7 +414,7 @@ def test_edges_that_are_found_inside_store_no_energy() -> None:
 
 
 def test_multipliers_that_rub_by_a_penalty_leave_edges_alone() -> None:
-    """Pressures that several gaps share wander between them, and what sticks by springs of these would creep."""
+    """Rounding chooses which of several gaps at one place presses, and what sticks by springs of these would creep."""
     parts, *_ = bars(0.12, friction=0.3, tangential="penalty", tangential_stiffness=1e7)
     with pytest.raises(vv.StepFailure, match=r"sink into each other.* leave out tangential='penalty'"):
         vv.simulate(vv.System([*parts, vv.Gravity()]), until=0.3, step=2e-3)
@@ -469,3 +469,53 @@ def test_edges_in_pieces_are_whole(pieces: int) -> None:
         heights.append(vv.Position(of=upper)(system))
         assert vv.ContactForce(contact=contact)(system)[2] == pytest.approx(98.1, rel=1e-6)
     assert heights[0] == pytest.approx(heights[1], abs=1e-9)
+
+
+def pulled(
+    size: float, place: tuple[float, float], angle: float, spin: float, **options: Any
+) -> tuple[Any, ...]:
+    """A box on an equal one that stands, turned about the vertical, and pulled aside by 0.3 of its weight."""
+    ground, box = vv.Ground(), vv.Box(size=(size,) * 3)
+    lower = vv.RigidBody(shape=box, density=1e3, position=(0, 0, -size / 2))
+    upper = vv.RigidBody(
+        shape=box,
+        density=1e3,
+        position=(*place, size / 2),
+        rotation=turned((0, 0, 1), angle),
+        angular_velocity=(0, 0, spin),
+    )
+    contact = vv.Contact(first=upper, second=lower, friction=0.5, stiffness=1e6, **options)
+    clamp = vv.Rigid(a=ground, b=lower, at=(0, 0, -size))
+    pull = vv.Gravity(acceleration=(0.3 * 9.81, 0, -9.81))
+    return vv.System([ground, upper, lower, clamp, contact, pull]), upper, contact
+
+
+@pytest.mark.parametrize(("slots", "place", "angle"), [(8, (0.05, 0.03), 0.3), (12, (0, 0), 0.4)])
+def test_elastic_slips_go_with_the_edges_that_have_them(
+    slots: int, place: tuple[float, float], angle: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever gap holds a pair of edges: where pairs changed gaps their springs began anew, or from others'."""
+    places = []
+    for n in (64, slots):
+        monkeypatch.setattr("visviva.contact.edges.BY_PENALTY", n)
+        options: Any = {"enforcement": "penalty", "tangential": "penalty", "damping": 1e3}
+        system, upper, _ = pulled(0.2, place, angle, 2.0, tangential_stiffness=1e5, **options)
+        vv.simulate(system, until=0.4, step=2e-3)
+        places.append(vv.Position(of=upper)(system))
+    assert places[1] == pytest.approx(places[0], abs=1e-12)
+
+
+def test_pressures_of_vertices_and_edges_at_rest_are_linear_in_the_place() -> None:
+    """Those of a least mean square with one sum and one torque; rounding shared them out anew in each step."""
+    system, _, contact = pulled(0.2, (0, 0), 0.0, 0.0)
+    vv.simulate(system, until=0.3, step=2e-3)
+    pressed = np.concatenate([contact.pressures, contact._edges.term.pressures])
+    pressed = pressed[pressed > 0]
+    weight = 8 * 9.81
+    assert len(pressed) >= 8
+    assert pressed.sum() == pytest.approx(weight, rel=1e-9)
+    # n / 2 at either side: their torque about the middle is that of the pull, 0.3 of the weight at half of the height
+    half = np.array([0.5 * weight * (1 - 0.3), 0.5 * weight * (1 + 0.3)])
+    for p, side in zip((pressed.min(), pressed.max()), half, strict=True):
+        share = pressed[np.isclose(pressed, p, rtol=1e-6)]
+        assert share.sum() == pytest.approx(side, rel=1e-6)

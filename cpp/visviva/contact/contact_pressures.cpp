@@ -211,34 +211,37 @@ bool ContactTerm::is_rigid_pair() const {
 }
 
 // What is left of the pressures on a pair of rigid bodies without those of the same force and torque that
-// have the least mean square over the area. Gaps alone leave it open, and rounding would have it drift. With
-// their compliance the rows of gaps have it vanish, and as it moves nothing, gaps close all the same.
-std::vector<double> ContactTerm::idle_pressures(const Context& c) const {
-    std::vector<double> idle(gaps_->n(), 0.0);
-    std::vector<int> pressed;
-    for (int A = 0; A < gaps_->n(); ++A)
-        if (active_[A]) pressed.push_back(A);
-    if (!is_rigid_pair_ || pressed.size() < 2) return idle;
+// have the least mean square over the area, at the gaps of vertices and edges together. Gaps alone leave it
+// open, and rounding would have it drift. With their compliance the rows of gaps have it vanish, and as it
+// moves nothing, gaps close all the same.
+void ContactTerm::subtract_idle(const Context& c, double* r) const {
+    if (!has_multipliers() || !is_rigid_pair_ || stands_beside_) return;
+    std::vector<std::pair<const ContactTerm*, int>> pressed;
+    for (const ContactTerm* term : {this, static_cast<const ContactTerm*>(beside_.get())})
+        for (int A = 0; term && A < term->n(); ++A)
+            if (term->active_[A]) pressed.emplace_back(term, A);
+    if (pressed.size() < 2) return;
     const Eigen::Index n = static_cast<Eigen::Index>(pressed.size());
-    auto place = [&](int v) { return Eigen::Vector3d::Map(&Xt_[3 * v]); };
+    auto place = [](const ContactTerm* term, int v) { return Eigen::Vector3d::Map(&term->Xt_[3 * v]); };
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (int A : pressed) centre += place(A) / static_cast<double>(n);
+    for (const auto& [term, A] : pressed) centre += place(term, term->vertex_of(A)) / static_cast<double>(n);
     double size = 0;
-    for (int A : pressed) size = std::max(size, (place(A) - centre).norm());
+    for (const auto& [term, A] : pressed)
+        size = std::max(size, (place(term, term->vertex_of(A)) - centre).norm());
     if (size == 0) size = 1;                               // all of one vertex
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(n, 6);  // on the first body, by pressures times sqrt(area)
     Eigen::VectorXd pressure(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-        const int A = pressed[i];
-        const double root = std::sqrt(options_.area[A]);
-        const auto& stencil = gaps_->stencil(A);
+        const auto& [term, A] = pressed[i];
+        const double root = std::sqrt(term->options_.area[A]);
+        const auto& stencil = term->gaps_->stencil(A);
         for (std::size_t k = 0; k < stencil.size(); ++k) {
-            if (stencil[k] >= gaps_->n_first()) continue;
-            const Eigen::Vector3d f = Eigen::Vector3d::Map(&at_theta_[A].gradient[3 * k]) / root;
+            if (stencil[k] >= term->gaps_->n_first()) continue;
+            const Eigen::Vector3d f = Eigen::Vector3d::Map(&term->at_theta_[A].gradient[3 * k]) / root;
             wrench.row(i).head<3>() += f;
-            wrench.row(i).tail<3>() += (place(stencil[k]) - centre).cross(f) / size;
+            wrench.row(i).tail<3>() += (place(term, stencil[k]) - centre).cross(f) / size;
         }
-        pressure[i] = root * c.vectors.x1[options_.multiplier[A]];
+        pressure[i] = root * c.vectors.x1[term->options_.multiplier[A]];
     }
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(n, 6);
     qr.setThreshold(1e-7);
@@ -246,8 +249,11 @@ std::vector<double> ContactTerm::idle_pressures(const Context& c) const {
     Eigen::VectorXd rest = qr.householderQ().adjoint() * pressure;
     rest.head(qr.rank()).setZero();
     rest = qr.householderQ() * rest;
-    for (Eigen::Index i = 0; i < n; ++i) idle[pressed[i]] = rest[i] / std::sqrt(options_.area[pressed[i]]);
-    return idle;
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const auto& [term, A] = pressed[i];
+        r[term->options_.multiplier[A]] -=
+            term->compliance(A, c) * rest[i] / std::sqrt(term->options_.area[A]);
+    }
 }
 
 }  // namespace visviva

@@ -179,11 +179,9 @@ void ContactTerm::residual(const Context& c, double* r) {
     for (int A = 0; A < gaps_->n(); ++A)
         if (active_.is_outdated(A) || slips_[A] != slips_at_tangent_[A]) unsettled_gaps_.push_back(A);
     find_gradients();
-    const std::vector<double> idle = idle_pressures(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
-        if (has_multipliers())
-            r[options_.multiplier[A]] += R_[A] - (idle[A] != 0 ? compliance(A, c) * idle[A] : 0.0);
+        if (has_multipliers()) r[options_.multiplier[A]] += R_[A];
         for (int i = 0; i < scatter_.n_tangential(); ++i)
             r[options_.friction.multiplier[A] + i] +=
                 (traction_[A].value[i] - base_[A][i]) / tangential(A, c);
@@ -195,6 +193,7 @@ void ContactTerm::residual(const Context& c, double* r) {
         for (std::size_t v = 0; v < stencil.size(); ++v)
             gaps_->skin().add_force(stencil[v], f.data() + 3 * v, 1.0, r);
     }
+    subtract_idle(c, r);
 }
 
 void ContactTerm::find_roaming() {
@@ -277,14 +276,25 @@ void ContactTerm::accept(const Context& c) {
         for (const Traction& t : traction_) tractions.insert(tractions.end(), t.value.begin(), t.value.end());
         elastic_.end_step(X0_, X1_, std::move(tractions));
     }
-    if (!rebounds()) return begin(c.vectors.x1);
-    keep_landings();
+    if (rebounds()) keep_landings();
     if (keeps_slides()) keep_slides();
     const std::vector<double> gap = gap1_, area = area1_;
     std::vector<long> places(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);
     begin(c.vectors.x1);
-    carry_landings(places, gap, area);
+    if (rebounds()) carry_landings(places, gap, area);
+    if (has_history()) carry_tractions(places);
+}
+
+// Elastic tractions go with what a gap holds.
+void ContactTerm::carry_tractions(const std::vector<long>& places) {
+    const std::vector<double>& before = elastic_.at_start();
+    std::vector<double> tractions(before.size(), 0.0);
+    const int n = gaps_->n(), own = n / gaps_->copies();
+    for (int A = 0; A < n; ++A)
+        for (int B = A % own; B < n; B += own)
+            if (places[B] == gaps_->place(A)) std::copy_n(&before[2 * B], 2, &tractions[2 * A]);
+    elastic_.amend(std::move(tractions));
 }
 
 }  // namespace visviva

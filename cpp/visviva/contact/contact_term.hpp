@@ -92,8 +92,12 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void watch(Piercing piercing) { piercing_ = std::move(piercing); }
     /// How deep gaps are closed in the last step.
     double deepest() const;
-    /// Another contact of the same bodies, whose gaps see what the watch need not.
-    void stand_beside(std::shared_ptr<const ContactTerm> other) { beside_ = std::move(other); }
+    /// Another contact of the same bodies, evaluated before this one, whose gaps see what the watch need not
+    /// and share pressures with these.
+    void stand_beside(std::shared_ptr<ContactTerm> other) {
+        other->stands_beside_ = true;
+        beside_ = std::move(other);
+    }
 
     /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
     /// of the rates of a scheme with a history at its end, which increments lag behind by half a step.
@@ -153,10 +157,11 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void keep_landings();
     void carry_landings(const std::vector<long>& places, const std::vector<double>& gap,
                         const std::vector<double>& area);
+    void carry_tractions(const std::vector<long>& places);
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
     bool is_rigid_pair() const;
-    std::vector<double> idle_pressures(const Context&) const;
+    void subtract_idle(const Context&, double* r) const;
     void find_rates(const Context&);
     double slack(int A, const Context&) const;
     void find_covered(const Context&);
@@ -215,6 +220,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     SweptSearch search_;
     std::optional<Piercing> piercing_;
     std::shared_ptr<const ContactTerm> beside_;
+    bool stands_beside_ = false;
     ActiveSet active_;
     ContactScatter scatter_;
     std::vector<double> X0_, X1_, Xt_, D_;

@@ -294,10 +294,10 @@ class Contact(Component):
             work = model.account(self, "friction", "dissipation")
             energy = -1 if sticks else model.account(self, "friction", "potential")
             self.term.book_friction(work, energy)
-        model.batch(self.term)
-        if self._edges:
+        if self._edges:  # are evaluated first
             self._edges.contribute(model, (normal, tangential), layer, gaps.reach, self._share_left)
             self.term.stand_beside(self._edges.term)
+        model.batch(self.term)
         if self.condensed:
             self._condense(model)
 

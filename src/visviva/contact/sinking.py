@@ -73,7 +73,7 @@ def unseen(least: float, *bodies: Attachable | Obstacle) -> float:
 
 
 def rubs_by_springs(contact: Contact) -> bool:
-    """Whether multipliers press and a penalty rubs, which forgets its slip where other gaps take a pressure over."""
+    """Whether multipliers press and a penalty rubs, which forgets its slip where a gap at the same place takes over."""
     return contact.friction > 0 and contact.enforcement == "multipliers" and contact.tangential == "penalty"
 
 
