@@ -328,11 +328,12 @@ class Beam(DirectorBody):
 
     def invalid(self, x: Array) -> str:
         """Cells that turn so far that they stretch without force."""
-        return self._turned(x, MOST)
+        return self._turned(x, MOST) or super().invalid(x)
 
     def trouble(self, x: Array) -> str:
         """The same; two-node cells carry moments up to angles of 45 degrees between their nodes."""
-        return self._turned(x, STEEP if self.line.cells.shape[1] == 2 else MOST)
+        found = self._turned(x, STEEP if self.line.cells.shape[1] == 2 else MOST)
+        return found or super().trouble(x)
 
     def _turned(self, x: Array, most: float) -> str:
         """Sentence on the cell that turns most, if interpolation changes products of directors by more than `most`."""

@@ -128,8 +128,8 @@ class ExtensibleShell(Shell):
             )
 
     def invalid(self, x: Array) -> str:
-        """Directors that get short press the material together, which resists."""
-        return ""
+        """Not for turned cells: directors that get short press the material together, which resists."""
+        return super(Shell, self).invalid(x)
 
     # --- sections ------------------------------------------------------------------------------------------
     @cached_property

@@ -14,10 +14,11 @@ from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import TimeFunction
 from visviva.body.mesh_points import Points
 from visviva.component.component import Component, settings
+from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
 from visviva.mesh.periodic import refuse_periodic
-from visviva.thermal.carrier import GivenTemperatures, HeatCarrier
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, absolute_zero
 from visviva.thermal.celsius import looks_celsius, taken_for_kelvin
 
 if TYPE_CHECKING:
@@ -26,6 +27,18 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 STEFAN_BOLTZMANN = 5.670374419e-8
 """W / (m^2 K^4), CODATA 2018."""
+
+
+def refuse_below_zero(
+    whose: str, temperatures: Array, zero: float = 0.0, kind: type[Exception] = RunError
+) -> None:
+    """Refuse temperatures that are not above absolute zero, which is `zero` on their scale."""
+    least = float(temperatures.min())
+    if not least > zero:
+        raise kind(
+            f"{whose} of {least:g} is not above absolute zero, which is {zero:g} here; give kelvin (a Radiation takes "
+            "zero = -273.15 for degrees Celsius)"
+        )
 
 
 class Values:
@@ -55,6 +68,18 @@ class Values:
             )
         return np.asarray(np.broadcast_to(found, (len(places),)).reshape(X.shape[:-1]))
 
+    def above_zero(self, time: float, X: Array, zero: float) -> Array:
+        """The same of temperatures above absolute zero, which is `zero` on their scale.
+
+        Raises
+        ------
+        RunError
+            If one is not above it.
+        """
+        found = self.at(time, X)
+        refuse_below_zero(f"{self.label}: its {self.what} at t = {time:g}", found, zero)
+        return found
+
     def remarks(self, body: HeatCarrier, X: Array) -> list[str]:
         """On temperatures given to a body that looks as if it were in kelvin, and they in degrees Celsius."""
         absolute = body.balances_entropy and not looks_celsius(body.start_temperatures)
@@ -65,15 +90,15 @@ class Values:
         """Times at which its rate may jump."""
         return () if self.by_place else self.given.kinks
 
-    def checked(self, X: Array) -> Array:
-        """Values (n,) at the beginning, at places (n, 3).
+    def checked(self, X: Array, zero: float | None = None) -> Array:
+        """Values (n,) at the beginning, at places (n, 3); above absolute zero, if that is given.
 
         Raises
         ------
         InputError
         """
         try:
-            return self.at(0.0, X)
+            return self.at(0.0, X) if zero is None else self.above_zero(0.0, X, zero)
         except RunError as error:
             raise InputError(str(error)) from error
 
@@ -110,7 +135,7 @@ class PrescribedTemperature(Component):
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self._values = Values(self.label, "value", self.value)
-        self._values.checked(self._places)
+        self._values.checked(self._places, absolute_zero(self.body))
 
     def remarks(self) -> list[str]:
         return self._values.remarks(self.body, self._places)
@@ -120,7 +145,7 @@ class PrescribedTemperature(Component):
         return self.body.points[self.chosen]
 
     def _temperatures(self, time: float) -> Array:
-        return self._values.at(time, self._places)
+        return self._values.above_zero(time, self._places, absolute_zero(self.body))
 
     def _rates(self, time: float, step: float) -> Array:
         if self._values.by_place:
@@ -252,17 +277,18 @@ class Convection(ThroughFaces):
         if not self.coefficient >= 0:
             raise InputError(f"{self.label}: coefficient = {self.coefficient:g} is negative")
         self._values = Values(self.label, "ambient", self.ambient)
-        self._values.checked(self.body.points)
+        self._values.checked(self.body.points, absolute_zero(self.body))
 
     def remarks(self) -> list[str]:
         return self._values.remarks(self.body, self.body.points)
 
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
-        return self.coefficient * (self._values.at(time, X) - T), np.full_like(T, -self.coefficient)
+        ambient = self._values.above_zero(time, X, absolute_zero(self.body))
+        return self.coefficient * (ambient - T), np.full_like(T, -self.coefficient)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class Radiation(ThroughFaces):
+class Radiation(ThroughFaces, Limited):
     """Heat radiation of faces that see surroundings of one temperature (Stefan-Boltzmann).
 
     Parameters
@@ -291,8 +317,9 @@ class Radiation(ThroughFaces):
         if not self.constant > 0:
             raise InputError(f"{self.label}: constant = {self.constant:g} is not positive")
         self._values = Values(self.label, "ambient", self.ambient)
-        start = np.append(self._values.checked(self.body.points), self.body.start_temperatures)
-        self._refuse_below_zero(start, InputError)
+        self._values.checked(self.body.points, self.zero)
+        start = f"{self.label}: a temperature of {self.body.label}"
+        refuse_below_zero(start, self.body.start_temperatures, self.zero, InputError)
 
     def remarks(self) -> list[str]:
         found = np.append(self._values.checked(self.body.points), self.body.start_temperatures)
@@ -303,16 +330,22 @@ class Radiation(ThroughFaces):
             "Celsius, give zero = -273.15"
         ]
 
-    def _refuse_below_zero(self, temperatures: Array, kind: type[Exception]) -> None:
-        least = float(temperatures.min())
-        if not least > self.zero:
-            raise kind(
-                f"{self.label}: a temperature of {least:g} is not above absolute zero, which is {self.zero:g} here; "
-                "zero = -273.15 is right for degrees Celsius"
-            )
+    def contribute(self, model: Model) -> None:
+        super().contribute(model)
+        nodes = np.unique(np.concatenate([p.nodes.ravel() for p in self.points()]))
+        self._seen = self.body.temperature_unknowns(nodes)
+
+    def invalid(self, x: Array) -> str:
+        """Temperatures at or below absolute zero at the end of a step: they would radiate as those above it."""
+        T = float(x[self._seen].min(initial=np.inf))
+        if self.zero < T:
+            return ""
+        return f"{self.label} of {self.body.label} at {T:.4g}, where absolute zero is {self.zero:g}; take smaller steps"
+
+    def trouble(self, x: Array) -> str:
+        return self.invalid(x)
 
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
-        ambient = self._values.at(time, X)
-        self._refuse_below_zero(ambient, RunError)
+        ambient = self._values.above_zero(time, X, self.zero)
         factor, T = self.emissivity * self.constant, T - self.zero
         return factor * ((ambient - self.zero) ** 4 - T**4), -4 * factor * T**3

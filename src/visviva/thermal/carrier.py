@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.touching import Skin
 from visviva.component.component import Component
+from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE, Axes
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
+from visviva.model.field import Field
 from visviva.model.term import Stencils, Term
 from visviva.thermal.celsius import taken_for_kelvin
 
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+CURE = "which is not above absolute zero: no more heat can be taken out there; take smaller steps, or a finer mesh"
+"""What a step is told that leads there."""
 Law = Callable[[float, Array, Array], tuple[Array, Array]]
 """Heat (m, q) per time and size that flows in and its derivative by the temperature, of time, place and temperature."""
 
@@ -71,7 +75,7 @@ class HeatPort:
         return bool(np.array_equal(self.contents, self.temperatures))
 
 
-class HeatCarrier(Component):
+class HeatCarrier(Component, Limited):
     """Base of bodies with temperatures at the nodes of a mesh.
 
     Attributes
@@ -93,6 +97,30 @@ class HeatCarrier(Component):
     def remarks(self) -> list[str]:
         said = taken_for_kelvin(self.label, "the lowest one at the start", self.start_temperatures)
         return [*super().remarks(), *(said if self.balances_entropy else [])]
+
+    def invalid(self, x: Array) -> str:
+        """Where temperatures count from absolute zero, those of the step at or below it."""
+        found = self._below_zero(x) if self.balances_entropy else ""
+        return found or super().invalid(x)
+
+    def trouble(self, x: Array) -> str:
+        return self.invalid(x) or super().trouble(x)
+
+    def _below_zero(self, x: Array) -> str:
+        own: Field = self.algorithmic  # type: ignore[attr-defined]
+        profiles = self.profiles()
+        T = (x[own.start : own.start + own.size].reshape(-1, profiles.shape[1]) @ profiles.T).min(axis=1)
+        k = int(np.argmin(T))
+        if T[k] > 0:
+            return ""
+        where = (
+            f"near ({', '.join(f'{c:.4g}' for c in self.points[k])}) " if len(T) == len(self.points) else ""
+        )
+        return f"node {k} of {self.label} {where}has a temperature of {T[k]:.4g} K in the step, {CURE}"
+
+    def profiles(self) -> Array:
+        """What each unknown (modes,) of the temperature of a node counts for at places (k, modes) across there."""
+        return np.eye(1, self.algorithmic.node)  # type: ignore[attr-defined]
 
     @property
     @abstractmethod
@@ -187,6 +215,11 @@ class HeatCarrier(Component):
             for of in (self.balance_unknowns(nodes), self.temperature_unknowns(nodes))
         )
         return HeatPort(contents, temperatures, share)
+
+
+def absolute_zero(body: HeatCarrier) -> float:
+    """The least temperature on the scale of a body, as far as that is known: minus infinity where it is not."""
+    return 0.0 if body.balances_entropy else -np.inf
 
 
 class HeatInput(Term):

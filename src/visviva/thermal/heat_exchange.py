@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
 from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
@@ -18,7 +18,7 @@ from visviva.component.values import FaceSet, Nodes, Number, Vector3
 from visviva.mesh.locate import locate
 from visviva.mesh.periodic import refuse_periodic
 from visviva.model.term import Stencils, Term
-from visviva.thermal.carrier import HeatCarrier, HeatPort
+from visviva.thermal.carrier import HeatCarrier, HeatPort, absolute_zero
 from visviva.thermal.celsius import looks_celsius, scales_differ, taken_for_kelvin
 from visviva.thermal.lumps import Lump
 
@@ -239,6 +239,8 @@ class HeatExchange(Component):
             raise InputError(f"{self.label}: exchanges heat of {self.a.label} with itself")
         for end in self._ends():
             end.refuse_misfits(self.label)
+        if self.ambient is not None:
+            self._ambient(0.0, InputError)
 
     def remarks(self) -> list[str]:
         """On sides of which one counts from absolute zero and the other looks as if it were in degrees Celsius."""
@@ -262,6 +264,17 @@ class HeatExchange(Component):
             ends.append(End("b", self.b, self.nodes_b, self.at_b, self.faces_b))
         return ends
 
+    def _ambient(self, time: float, kind: type[Exception] = RunError) -> float:
+        """Temperature of the surroundings, which has to be above absolute zero where the heat brings entropy."""
+        given: Any = self.ambient
+        found = float(given(time))
+        if not found > (0.0 if isinstance(self.a, Lump) else absolute_zero(self.a)):
+            raise kind(
+                f"{self.label}: its ambient temperature at t = {time:g} of {found:g} is not above absolute zero, as "
+                f"{self.a.label} counts them; give kelvin"
+            )
+        return found
+
     def announce(self, model: Model) -> None:
         if isinstance(self.a, HeatCarrier) and isinstance(self.b, HeatCarrier):
             model.announce(self.a, Conducting((self.a, self.b)))
@@ -270,4 +283,4 @@ class HeatExchange(Component):
         for end in self._ends():
             model.index(end.of)
         a, b, *_ = [*(end.port() for end in self._ends()), None]
-        model.term(self, Exchange(a, b, self.conductance, self.ambient))
+        model.term(self, Exchange(a, b, self.conductance, None if self.ambient is None else self._ambient))

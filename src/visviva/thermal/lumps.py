@@ -12,11 +12,12 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.component.component import Component, settings
+from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import HeatPort
+from visviva.thermal.carrier import CURE, HeatPort
 from visviva.thermal.celsius import taken_for_kelvin
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Lump(Component):
+class Lump(Component, Limited):
     """Base of what has one entropy and one temperature.
 
     Attributes
@@ -105,9 +106,12 @@ class Lump(Component):
         """The same: of the whole at the unknowns `x` of the system."""
         return self.entropy_at(x)
 
-    def trouble(self, x: Array) -> str:
+    def invalid(self, x: Array) -> str:
         T = float(x[self.algorithmic.start])
-        return "" if T > 0 else f"{self.label} has a temperature of {T:.4g} K"
+        return "" if T > 0 else f"{self.label} has a temperature of {T:.4g} K in the step, {CURE}"
+
+    def trouble(self, x: Array) -> str:
+        return self.invalid(x)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

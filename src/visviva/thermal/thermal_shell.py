@@ -260,6 +260,9 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         """Of sides on these themselves, whose areas differ from that of the middle where the shell is curved."""
         return self.face_points(faces, on_sides=True)
 
+    def profiles(self) -> Array:
+        return self._shapes(np.array([-1.0, 0.0, 1.0])).T
+
     def heat_modes(self, faces: Faces) -> Array:
         """Of its upper or its lower side; through edges the mean.
 

@@ -373,11 +373,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
 
     def trouble(self, x: Array) -> str:
+        if below := self.invalid(x):
+            return below
         T = x[self.algorithmic.start : self.algorithmic.start + self.algorithmic.size]
-        if np.any(T <= 0):
-            a = int(np.argmin(T))
-            at = ", ".join(f"{c:.4g}" for c in self.points[a])
-            return f"node {a} of {self.label} near ({at}) has a temperature of {T[a]:.4g} K"
         if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
             return f"{self.label}: {beyond}"
         return super().trouble(x)
