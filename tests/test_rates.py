@@ -33,6 +33,17 @@ def test_without_a_step_a_distance_is_found(period, t):
     assert rate == pytest.approx(w * math.cos(w * t), abs=(1e-8 + 1e3 * rounding) * w)
 
 
+@pytest.mark.parametrize("offset", [283.0, -1e3])
+@pytest.mark.parametrize("t", [0.0, 1e6])
+def test_slow_functions_on_an_offset_are_not_taken_to_rest(offset, t):
+    """Of seasons in seconds; short distances of time agree on nothing, as they change no digit."""
+    w = 2 * math.pi / 3.156e7
+    f = lambda t: offset + 10 * math.sin(w * t)  # noqa: E731
+    assert forward_rate(f, t) == pytest.approx(10 * w * math.cos(w * t), rel=5e-3)
+    assert central_rate(f, t) == pytest.approx(10 * w * math.cos(w * t), rel=5e-3)
+    assert forward_rate(lambda t: offset, t) == 0
+
+
 def shaken(motion, *, start, period, scheme):
     """A body on a slide with a motor, over a quarter of a period from a `start`."""
     ground, body = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1))

@@ -113,6 +113,24 @@ def test_entropy_that_falls_is_wrong() -> None:
     assert law(result, "second law").verdict.startswith("WRONG, as entropy never falls")
 
 
+@pytest.mark.parametrize("follows", ["kinks", "projects"])
+def test_books_stay_where_rates_are_changed_after_steps(follows: str) -> None:
+    """Impulses at kinks of what is prescribed, and rates that are projected, bring no entropy and lose none of it."""
+    body = block()
+    if follows == "kinks":
+        motion = [(0.02 * k, 1e-4 * (k % 2)) for k in range(11)]
+        others, scheme = [vv.Prescribed(solid=body, nodes="x0", motion=(motion, 0, 0))], vv.EnergyMomentum()
+    else:
+        ground, wheel = vv.Ground(), vv.RigidBody(mass=1.0, inertia=(1, 1, 1), angular_velocity=(0, 0, 1))
+        axle = vv.Revolute(a=ground, b=wheel, at=(0, 0, 0), axis=(0, 0, 1))
+        others, scheme = [ground, wheel, axle], vv.GeneralizedAlpha()
+    plain = vv.simulate(vv.System([block()]), until=0.2, step=0.02, scheme=scheme).ledger
+    ledger = vv.simulate(vv.System([body, *others]), until=0.2, step=0.02, scheme=scheme).ledger
+    name = "entropy_produced_conduction"
+    assert plain.last(name) > 1e-6
+    assert ledger.last(name) == pytest.approx(plain.last(name), rel=1e-3)
+
+
 def test_schemes_whose_rates_are_no_differences() -> None:
     said = {
         scheme: law(

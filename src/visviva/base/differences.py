@@ -14,6 +14,8 @@ import numpy as np
 
 PART = 1 / 8
 """Part of a step between two points: of a wave of twenty steps truncation and rounding are then 1e-11 of its rate."""
+ROUNDING = 30 * np.finfo(float).eps
+"""Of differences, as a part of the values they are of: where these do not change at all, two agree on nothing."""
 FARTHEST, CLOSER, TRIALS = 1e-3, 0.1234, 10
 """Where no step is known: the first distance (times the time, 1 at least), and how the next ones fall. Not by a ratio
 of small numbers: whole periods at two distances would agree on a rate of nothing."""
@@ -32,7 +34,7 @@ def central_rate(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
     >>> round(central_rate(lambda t: math.sin(1e6 * t), 0.0), 3)
     1000000.0
     """
-    return _over(_central, f, t, step)
+    return _over(_central, 1, f, t, step)
 
 
 def forward_rate(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
@@ -43,7 +45,7 @@ def forward_rate(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
     >>> round(forward_rate(lambda t: max(t, 0.0), 0.0, 0.1), 9)
     1.0
     """
-    return _over(_forward, f, t, step)
+    return _over(_forward, 1, f, t, step)
 
 
 def forward_curvature(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
@@ -54,16 +56,19 @@ def forward_curvature(f: Callable[[float], Any], t: float, step: float = 0.0) ->
     >>> round(forward_curvature(lambda t: t * t, 1.0, 0.1), 9)
     2.0
     """
-    return _over(_curvature, f, t, step)
+    return _over(_curvature, 2, f, t, step)
 
 
-def _over(difference: Callable[..., Any], f: Callable[[float], Any], t: float, step: float) -> Any:
+def _over(
+    difference: Callable[..., Any], order: int, f: Callable[[float], Any], t: float, step: float
+) -> Any:
     if step > 0:
         return difference(f, t, PART * step)
-    first = FARTHEST * max(1.0, abs(t))
-    found = [difference(f, t, first * CLOSER**k) for k in range(TRIALS)]
+    lengths = FARTHEST * max(1.0, abs(t)) * CLOSER ** np.arange(TRIALS)
+    found = [difference(f, t, length) for length in lengths]
     misfit = [float(np.max(np.abs(a - b), initial=0.0)) for a, b in pairwise(found)]
-    return found[int(np.argmin(misfit))]
+    rounding = ROUNDING * float(np.max(np.abs(f(t)), initial=0.0)) / lengths[:-1] ** order
+    return found[int(np.argmin(misfit + rounding))]
 
 
 def _central(f: Callable[[float], Any], t: float, d: float) -> Any:

@@ -162,8 +162,10 @@ def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) ->
 
 
 def _evaluate_ledger_again(system: System) -> None:
-    """The sums of the state after its rates were changed, as the step leaves it; the works of the step stay."""
-    system.core.mark_state()
-    work = system.core.work.copy()
+    """The sums of the state after its rates were changed, as the step leaves it; what the step has brought stays."""
+    core = system.core
+    core.mark_state()
+    brought = [(of_step, of_step.copy()) for of_step in (core.work, core.entropy, core.release)]
     system.evaluate_ledger()
-    system.core.work[:] = work
+    for of_step, before in brought:
+        of_step[:] = before
