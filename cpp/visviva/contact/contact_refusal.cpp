@@ -35,13 +35,14 @@ Refusal ContactTerm::refuse(const Context& c) {
                        "the surfaces come nearer by more than can be followed in a step,");
     if (const int A = passes(approach, static_cast<int>(parts)); A >= 0)
         return refused(vertex_of(A), "the surfaces pass through each other within the step,");
-    if (piercing_ && piercing_->outruns(c.vectors.x0, c.vectors.x1))
+    const Piercing::Finding unseen = look(c);
+    if (unseen.outruns)
         return refused(0, "the bodies pass by more of their width than can be followed in a step,");
-    if (DeepPlace worst; sinks(c, worst)) {
+    if (unseen.sinks) {
         char deep[96];
         std::snprintf(deep, sizeof deep, "the bodies sink into each other by %.3g, unseen by gaps;",
-                      worst.depth);
-        return refused(worst.place.data(), 0, deep + (" " + piercing_->cure()) + ";");
+                      unseen.worst.depth);
+        return refused(unseen.worst.place.data(), 0, deep + (" " + piercing_->cure()) + ";");
     }
     if (gives_energy(c)) return refused(0, "an impact that sticks at several vertices would give energy,");
     if (const int A = rubs_too_late(c); A >= 0)
@@ -83,10 +84,10 @@ int ContactTerm::rubs_too_late(const Context& c) const {
     return -1;
 }
 
-bool ContactTerm::sinks(const Context& c, DeepPlace& worst) {
-    if (!piercing_) return false;
+Piercing::Finding ContactTerm::look(const Context& c) {
+    if (!piercing_) return {};
     const double seen = std::max(deepest(), beside_ ? beside_->deepest() : 0.0);
-    return piercing_->sinks(c.vectors.x0, c.vectors.x1, seen, worst);
+    return piercing_->look(c.vectors.x0, c.vectors.x1, seen);
 }
 
 double ContactTerm::deepest() const {

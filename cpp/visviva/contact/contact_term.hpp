@@ -132,7 +132,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     Refusal refused(int vertex, const std::string& why) const;
     Refusal refused(const double* place, int vertex, const std::string& why) const;
     int passes(const std::vector<Approach>&, int n_parts);
-    bool sinks(const Context&, DeepPlace& worst);
+    Piercing::Finding look(const Context&);
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();

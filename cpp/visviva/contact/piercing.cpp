@@ -22,16 +22,23 @@ Piercing::Piercing(Skin skin, double limit, double least, std::string cure)
       cure_(std::move(cure)),
       sides_{{skin_, 0, skin_.second_begin}, {skin_, skin_.second_begin, skin_.n_facets()}} {}
 
-bool Piercing::sinks(const double* q0, const double* q1, double seen, DeepPlace& worst) {
-    constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
+Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen) {
     std::vector<double> X0, X1;
     skin_.positions(q0, X0), skin_.positions(q1, X1);
+    const double parts = parts_of(X0, X1);
+    if (parts > most_parts) return {true, false, {}};
     if (!begun_) {
         each_part(X0, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
         begun_ = true;
     }
-    const int parts = static_cast<int>(parts_of(X0, X1));
-    if (parts == 0) return false;
+    Finding found;
+    found.sinks = parts > 0 && sinks(X0, X1, static_cast<int>(parts), seen, found.worst);
+    return found;
+}
+
+bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, double seen,
+                     DeepPlace& worst) const {
+    constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
     const double unseen = limit_ + 2 * seen;
     worst = deepest(X1);
     const double after = worst.depth;
@@ -79,12 +86,6 @@ double Piercing::parts_of(const std::vector<double>& X0, const std::vector<doubl
     if (!swept[0].intersects(swept[1])) return 0;
     const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
     return std::max(1.0, std::ceil(2 * way.norm() / least_));
-}
-
-bool Piercing::outruns(const double* q0, const double* q1) const {
-    std::vector<double> X0, X1;
-    skin_.positions(q0, X0), skin_.positions(q1, X1);
-    return parts_of(X0, X1) > most_parts;
 }
 
 DeepPlace Piercing::deepest(const std::vector<double>& X) const {

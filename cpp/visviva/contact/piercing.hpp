@@ -14,14 +14,17 @@ class Piercing {
     /// of their widths, and what cures that.
     Piercing(Skin skin, double limit, double least, std::string cure);
 
-    /// Whether bodies pass by more of their least width in a step than is looked at.
-    bool outruns(const double* q0, const double* q1) const;
+    struct Finding {
+        bool outruns = false;  // bodies pass by more of their least width in a step than is looked at
+        bool sinks = false;
+        DeepPlace worst;  // where they do
+    };
 
     /// Whether bodies come deeper into each other in a step than `seen`, a depth that gaps have, allows for,
     /// and than they were given: those that are in each other already, those that come in by a quarter of
-    /// their width, and those that pass through. Then `worst` says where. What comes in by less may have met
-    /// what its gaps hold from the next step on.
-    bool sinks(const double* q0, const double* q1, double seen, DeepPlace& worst);
+    /// their width, and those that pass through. What comes in by less may have met what its gaps hold from
+    /// the next step on.
+    Finding look(const double* q0, const double* q1, double seen);
 
     const std::string& cure() const { return cure_; }
     void write(std::vector<double>& memory) const;
@@ -33,6 +36,8 @@ class Piercing {
         int side, edge;
         double from, to, depth;
     };
+    bool sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, double seen,
+               DeepPlace& worst) const;
     DeepPlace deepest(const std::vector<double>& X) const;
     template <class F>
     void each_part(const std::vector<double>& X, F take) const;

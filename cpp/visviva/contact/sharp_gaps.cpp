@@ -102,8 +102,7 @@ SharpGaps::SharpGaps(Skin skin, SharpOptions options)
 }
 
 bool SharpGaps::search(const double* from, const double* to) {
-    near_.clear();
-    pairs_.near(from, to, again * options_.reach, [&](long p) { near_.push_back(p); });
+    near_ = pairs_.near(from, to, again * options_.reach);
     return false;  // couples all unknowns of both bodies always
 }
 

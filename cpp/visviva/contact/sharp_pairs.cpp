@@ -43,6 +43,26 @@ std::vector<Box> SharpPairs::boxes(const double* from, const double* to, int sid
     return boxes;
 }
 
+std::vector<long> SharpPairs::near(const double* from, const double* to, double margin) const {
+    const std::vector<Box> own = boxes(from, to, 0, margin), others = boxes(from, to, 1, margin);
+    std::vector<double> centres;
+    for (const Box& box : others)
+        for (int i = 0; i < 3; ++i) centres.push_back(0.5 * (box.low[i] + box.high[i]));
+    BoxTree tree;
+    tree.build(centres), tree.refit(others);
+    std::vector<long> pairs;
+    std::vector<int> found;
+    for (long k = 0; k < static_cast<long>(own.size()); ++k) {
+        const bool is_edge = k < n_edges(0);
+        tree.query(own[k], found);
+        for (const long other : found)
+            if (is_edge == (other < n_edges(1)))
+                pairs.push_back(is_edge ? k * n_edges(1) + other
+                                        : n_crossing() + (k - n_edges(0)) * n_corners() + other - n_edges(1));
+    }
+    return pairs;
+}
+
 std::array<int, 4> SharpPairs::stencil(long number) const {
     if (number < n_crossing()) {
         const int *one = edge(number, 0), *two = edge(number, 1);

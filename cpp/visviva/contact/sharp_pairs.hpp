@@ -20,15 +20,8 @@ class SharpPairs {
         double sign = 0;
         bool operator==(const Pair&) const = default;
     };
-    long n_pairs() const { return n_crossing() + n_faces() * n_corners(); }
-    /// Calls take(number) for pairs that come within a margin between two configurations.
-    template <class F>
-    void near(const double* from, const double* to, double margin, F take) const {
-        const std::vector<Box> boxes[2] = {this->boxes(from, to, 0, margin),
-                                           this->boxes(from, to, 1, margin)};
-        for (long p = 0; p < n_pairs(); ++p)
-            if (boxes[0][part(p, 0)].meets(boxes[1][part(p, 1)])) take(p);
-    }
+    /// Numbers of pairs that come within a margin between two configurations, in ascending order.
+    std::vector<long> near(const double* from, const double* to, double margin) const;
     bool is_apart(const double* X, long number) const;
     std::array<int, 4> stencil(long number) const;
     Meeting meeting(const double* X, const Pair& pair) const;
