@@ -146,7 +146,7 @@ def test_a_quenched_plate_needs_no_short_steps(cold: float) -> None:
     system = vv.System([plate, vv.PrescribedTemperature(body=plate, nodes="y0", value=cold)])
     result = vv.simulate(system, until=1e-7, step=1e-8)
     assert result.statistics.rejected == 0
-    assert result.conservation()["energy"] < 1e-11
+    assert result.conservation()["energy"] < 1e-10
     assert 0.2 < plate.damages(system.x).max() < 1.05
 
 

@@ -32,7 +32,7 @@ ROUNDING, ROUGH = 1e-13, 1e-4
 """Accuracy of balances that are taken, and of those that are looked at."""
 MOVED = 1e-9
 """Part of its size from which on a move is told."""
-MOST = 500
+MOST = 200
 """Choices of what rests; cracks that are given spread by a layer of nodes with each."""
 
 
