@@ -41,6 +41,11 @@ VISVIVA_INLINE bool all(VI mask) {
     for (int l = 0; l < W; ++l) found &= mask[l];
     return found != 0;
 }
+VISVIVA_INLINE bool any(VI mask) {
+    long long found = 0;
+    for (int l = 0; l < W; ++l) found |= mask[l];
+    return found != 0;
+}
 VISVIVA_INLINE V vabs(V a) { return a < 0.0 ? -a : a; }
 VISVIVA_INLINE V vmax(V a, V b) { return a > b ? a : b; }
 VISVIVA_INLINE V vsqrt(V a) {

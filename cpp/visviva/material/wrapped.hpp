@@ -53,12 +53,6 @@ struct Stretched : Energy {
     }
 };
 
-VISVIVA_INLINE bool any(VI mask) {
-    long long found = 0;
-    for (int l = 0; l < W; ++l) found |= mask[l];
-    return found != 0;
-}
-
 /// The energy at the stretch across the plane that leaves no stress there, min over C33 of W(C). It keeps
 /// nothing between steps, and its discrete gradient is that of any energy.
 template <class Energy>

@@ -24,12 +24,6 @@ enum class CrackSplit : int {
     logarithmic = 4,
 };
 
-VISVIVA_INLINE bool none(VI mask) {
-    long long found = 0;
-    for (int l = 0; l < W; ++l) found |= mask[l];
-    return found == 0;
-}
-
 /// One of Jacobi's rotations of a symmetric matrix a, gathered in n.
 VISVIVA_INLINE void rotate_pair(V a[3][3], V n[3][3], int p, int q) {
     const VI zero = vabs(a[p][q]) < 1e-300;
@@ -85,7 +79,7 @@ VISVIVA_INLINE void principal_of_strain(const V* c, V* value, V n[3][3]) {
     for (int sweep = 0; sweep < 7; ++sweep) {
         const V size = vabs(a[0][0]) + vabs(a[1][1]) + vabs(a[2][2]);
         const VI left = vabs(a[0][1]) + vabs(a[1][2]) + vabs(a[0][2]) > 1e-18 * size;
-        if (none(left)) break;
+        if (!any(left)) break;
         for (const auto& pq : pairs) rotate_pair(a, n, pq[0], pq[1]);
     }
     for (int k = 0; k < 3; ++k) value[k] = a[k][k];
@@ -207,7 +201,7 @@ struct FractureEnergy : PlainEnergy {
         for (int i = 0; i < n_parts && i < 3; ++i) {
             VI other = parts[i].c[0] != c[0];
             for (int k = 1; k < 6; ++k) other |= parts[i].c[k] != c[k];
-            if (!none(other)) continue;
+            if (any(other)) continue;
             if (second && !parts[i].has_second) fill<true>(c, parts[i]);
             return parts[i];
         }
