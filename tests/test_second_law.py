@@ -143,6 +143,21 @@ def test_schemes_whose_rates_are_no_differences() -> None:
     assert second.startswith("not meant to be exact")
 
 
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha(), vv.GeneralizedAlpha(rho=0.0)], ids=str)
+def test_entropy_is_booked_as_accurately_as_schemes_are(scheme: Any) -> None:
+    """What steps bring by the rates at their ends is second order in the step, as their states are."""
+
+    def imbalance(step: float) -> float:
+        body = block(
+            temperature=lambda X: 300 + 20 * np.cos(np.pi * X[:, 0])
+        )  # no heat passes the ends at once
+        source = vv.HeatSource(body=body, power="60*t")
+        result = vv.simulate(vv.System([body, source]), until=0.4, step=step, scheme=scheme)
+        return abs(result.ledger.last("entropy_imbalance"))
+
+    assert imbalance(0.02) > 3.5 * imbalance(0.01)
+
+
 def test_sums_go_on_after_a_restart(tmp_path: Path) -> None:
     def study(until: float) -> vv.Study:
         return vv.Study(vv.System([block()]), until=until, step=0.1)

@@ -58,7 +58,7 @@ void System::book(const Context& c, const double* v1) {
 // Entropy by account: what equations that balance it get of every term, less what is stored.
 std::vector<double> System::brought_entropy(const Context& c) {
     std::vector<double> brought(sums.entropy.size(), 0.0), r(n_, 0.0);
-    if (!c.step.has_length() || c.step.transport[0][0] == 0) return brought;
+    if (c.step.h == 0 || c.step.transport[0][0] == 0) return brought;
     for (const auto& [term, can] : terms_) {
         if (term->entropy_account < 0) continue;
         for (int u : entropy_.tested) r[u] = 0;
@@ -78,7 +78,7 @@ void System::book_step(const Context& c, const double* v1, double direction) {
     // before the terms go on to the end; on the way back they find their branches there
     if (!prescribed_.empty() || c.backwards) evaluate_residual(c, true);
     std::vector<double> entropy;
-    if (!entropy_.tested.empty() && !c.backwards) entropy = brought_entropy(c);
+    if (!entropy_.tested.empty()) entropy = brought_entropy(c);
     book(c, v1);
     if (!entropy.empty()) sums.entropy = std::move(entropy);
     book_impacts(c, v1);
@@ -105,7 +105,10 @@ void System::book_path(const Context& c) {
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
     for (const auto& [term, can] : terms_) term->begin(c.vectors.x1);
     book_step({back, vectors, signals, true}, still_.data(), -1);
-    for (std::size_t k = 0; k < there.work.size(); ++k) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+    for (std::size_t k = 0; k < there.work.size(); ++k) {
+        there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+        there.entropy[k] = 0.5 * (there.entropy[k] - sums.entropy[k]);
+    }
     // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
     for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];
     sums = std::move(there);
