@@ -470,3 +470,17 @@ def test_rounding_of_water_at_rest_does_not_ring() -> None:
     result = vv.simulate(system, until=300.0, step=10.0, scheme=vv.Midpoint())
     assert abs(water.velocities(system.x, system.v)).max() < 1e-11
     assert "changes" not in lines(result)
+
+
+def test_rounding_of_strong_forces_is_no_momentum() -> None:
+    """A block at rest in SI that is cooled: stresses of 1e8 Pa over seconds, of which rounding leaves 1e-14 N s."""
+    block = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(0.01, 0.01, 0.01), counts=(4, 1, 1)),
+        material=vv.NeoHooke(young=3e9, poisson=0.35),
+        density=1180.0,
+        heat=vv.Heat(conductivity=0.2, capacity=1.8e6, expansion=7e-5, reference=300.0),
+    )
+    bath = vv.Convection(body=block, faces="x0", coefficient=1000.0, ambient=77.0)
+    result = vv.simulate(vv.System([block, bath]), until=2.0, step=1.0)
+    kept = [j for j in judgements(result) if "momentum" in j.what]
+    assert [j.verdict for j in kept] == ["conserved"] * 2

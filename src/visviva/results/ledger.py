@@ -32,6 +32,9 @@ STILL = 1e-6
 UNSEEN = 1e-10
 """Part of its size by which rounding may seem to move a body."""
 
+FELT = 2e-7
+"""Part of the impulse of forces inside that momenta are measured by: rounding of these is 1e-9 of it."""
+
 RELEASE = "release"
 """Work in statics of what held a system that starts out of equilibrium: it lets go slowly in the first load step."""
 
@@ -50,12 +53,15 @@ class Sizes:
         Work of the forces at the start if everything moved along by its own size.
     power : float
         Their power on what flows if it did so with the speed that is large in it.
+    inner : tuple of str
+        Kinds of potentials of components that move, of which forces come.
     """
 
     mass: float = 0.0
     length: float = 1.0
     pull: float = 0.0
     power: float = 0.0
+    inner: tuple[str, ...] = ()
 
 
 @dataclass(repr=False)
@@ -240,9 +246,13 @@ class Ledger:
         """Scale of changes of momentum ('momentum' or 'angular').
 
         The greatest momentum that the masses can have with the largest kinetic energy T of the run, ``sqrt(2 m
-        T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more.
+        T)``, times the length of the system for angular momentum; or the momentum they do have, if it is more. Where
+        strong forces inside act for long on what hardly moves, a part of their impulse, which is exact to rounding.
         """
-        most = self.sizes.mass * self.speed * (self.sizes.length if kind == "angular" else 1.0)
+        arm = self.sizes.length if kind == "angular" else 1.0
+        work = max((self.swing(f"potential_{k}") for k in self.sizes.inner), default=0.0)
+        impulse = FELT * work / self.sizes.length * self.duration
+        most = max(self.sizes.mass * self.speed, impulse) * arm
         parts = [self.size(f"{kind}_{c}") for c in "xyz"]
         return float(max(most, *parts, np.finfo(float).tiny))
 
@@ -286,7 +296,7 @@ class Bookkeeper:
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            sizes = Sizes(mass, system.model.length, *force_scale(system))
+            sizes = Sizes(mass, system.model.length, *force_scale(system), inner_potentials(system))
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -348,6 +358,14 @@ def bearing(system: System) -> NDArray[np.bool_]:
     """Unknowns (n,) that stand for forces, or have the least energy in the state of the others."""
     fields = system.model.fields
     return np.concatenate([np.full(f.size, f.order == 0 and f.role is not Role.TEMPERATURE) for f in fields])
+
+
+def inner_potentials(system: System) -> tuple[str, ...]:
+    """Kinds of potentials that components have which move."""
+    model = system.model
+    moving = {model.index(f.component) for f in model.fields if f.role is Role.MOTION}
+    kinds = {a.kind for a in model.accounts if a.category == "potential" and a.component in moving}
+    return tuple(sorted(kinds))
 
 
 def force_scale(system: System) -> tuple[float, float]:
