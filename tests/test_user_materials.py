@@ -206,3 +206,38 @@ def test_blatz_ko_does_not_lock() -> None:
     assert tip("quad9", 4, "mixed") == pytest.approx(fine, rel=0.015)
     assert tip("quad4", 16, "mixed") == pytest.approx(fine, rel=0.02)
     assert tip("quad4", 16, "displacement") < 0.85 * fine
+
+
+@pytest.mark.parametrize("speed", [1e-3, 1e-4, 1e-5])
+def test_user_heat_moves_by_small_strains_as_heat_does(speed: float) -> None:
+    """Differences of its energy, of which heat is the larger part, would drown in rounding."""
+    material, T0, c, expansion = vv.NeoHooke(young=10.0, poisson=0.3), 300.0, 5.0, 5e-3
+    lame, mu = material.lame
+    coupling = 3 * (lame + 2 * mu / 3) * expansion
+
+    def free(C: Any, T: Any) -> Any:
+        J2 = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+        J2 = J2 + C[5] * (C[3] * C[4] - C[1] * C[5])
+        ln_j = 0.5 * np.log(J2)
+        strains = mu / 2 * (C[0] + C[1] + C[2] - 3 - 2 * ln_j) + lame / 2 * ln_j**2
+        return strains - coupling * (T - T0) * ln_j + c * (T - T0 - T * np.log(T / T0))
+
+    ends = []
+    for given in (
+        {
+            "material": material,
+            "heat": vv.Heat(conductivity=2.0, capacity=c, expansion=expansion, reference=T0),
+        },
+        {"heat": vv.UserHeat(function=free, conductivity=2.0, reference=T0)},
+    ):
+        bar: Any = vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 0.1, 0.1), counts=(2, 1, 1)),
+            density=1.0,
+            velocity=lambda X: speed * np.sin(np.pi * X[:, :1]) * [1.0, 0.0, 0.0],
+            **given,
+        )
+        system = vv.System([bar, vv.Fixed(solid=bar, nodes="x0"), vv.Fixed(solid=bar, nodes="x1")])
+        result = vv.simulate(system, until=0.2, step=0.02)
+        assert len(result.times) == 11
+        ends.append([*bar.displacements(system.x)[:, 0], *(bar.temperatures(system.x) - T0)])
+    assert np.array(ends[1]) / speed == pytest.approx(np.array(ends[0]) / speed, abs=1e-5)

@@ -28,6 +28,8 @@ TINY, TINY_DIFFERENCES = 1e-8, 1e-5
 PROBE, NOISE = 1e-3, 1.5e-14
 # Below this ratio of second to first differences of the stress, Simpson's rule is exact to round-off.
 SMOOTH = 1e-4
+# Part of an energy, or of what its derivatives say it has changed by where it counts from, that is its rounding.
+ROUNDING = 4e-16
 
 
 class Function:
@@ -132,7 +134,7 @@ class Function:
         seen = after.real - before.real
         kink = np.abs(slopes[0] - 2 * slopes[1] + slopes[2])
         size = np.abs(after.real) + np.abs(before.real) + np.abs(slopes[0] - slopes[2]) / PROBE**2
-        size += (np.abs(slopes[0]) + np.abs(slopes[2])) / PROBE
+        size += (np.abs(slopes[0]) + np.abs(slopes[2])) / PROBE + (np.abs(g) * self.sizes).max(axis=1)
         allowed = kink + 1e-6 * np.maximum(np.abs(said), np.abs(seen)) + NOISE * size
         return g, ~(np.abs(said - seen) > allowed).any(axis=0)
 
@@ -172,8 +174,13 @@ class Function:
         f0, f1 = np.split(self.value(np.concatenate([e0, e1], axis=1)), 2, axis=1)
         first, second = (g1 - g0) * de, (g0 - 2 * gm + g1) * de
         exact = f1 - f0 - (gm * de).sum(axis=1)
-        smooth = np.abs(second).sum(axis=1) <= SMOOTH * np.abs(first).sum(axis=1)
-        b = np.where(smooth & analytic, second.sum(axis=1) / 6, exact)
+        bend, simpson = np.abs(second).sum(axis=1), second.sum(axis=1) / 6
+        smooth = bend <= SMOOTH * (bends := np.abs(first).sum(axis=1))
+        held = np.maximum(np.abs(f0) + np.abs(f1), (np.abs(gm) * self.sizes).max(axis=1))
+        smooth |= (
+            np.abs(simpson) * bend**2 <= ROUNDING * held * bends**2
+        )  # what it leaves out is below rounding
+        b = np.where(smooth & analytic, simpson, exact)
         size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0) / self.sizes).max(axis=0)
         few = np.where(analytic, TINY, TINY_DIFFERENCES)
         tiny = np.abs(de / self.sizes).max(axis=0) <= few * size

@@ -71,4 +71,6 @@ class Internal:
             T = self.temperature(np.real(z), np.real(e[self.n_e]))
             return self.free(z, T + 0 * e[self.n_e]) + T * e[self.n_e]
 
-        return Function(internal, self.n_e + 1, 1, self.label)
+        rest = np.zeros((self.n_e, 1)) + self.shift
+        capacity = np.abs(self.capacity(rest, np.array([self.reference])))
+        return Function(internal, self.n_e + 1, 1, self.label, np.append(np.ones(self.n_e), capacity))
