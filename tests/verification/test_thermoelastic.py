@@ -473,6 +473,29 @@ def test_statics_of_what_a_weak_exchange_holds_end_at_its_temperature(uneven: fl
     assert body.temperatures(system.x) == pytest.approx(310.0, abs=1e-6)
 
 
+def test_steps_that_a_hump_of_capacity_fails_are_told_what_finds_a_way_over_it() -> None:
+    """Latent heat over a kelvin, 2000 times the capacity: chilled within a fifth of a step, and then as it says."""
+
+    def chilled() -> vv.System:
+        table = [(173.0, 1.0), (270.5, 1.0), (271.0, 2000.0), (271.5, 1.0), (373.0, 1.0)]
+        bar = vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(1, 0.3, 0.3), counts=(8, 1, 1)),
+            material=vv.NeoHooke(young=1e3, poisson=0.3),
+            density=1e-3,
+            heat=vv.Heat(conductivity=1.0, capacity=table, expansion=1e-4, reference=293.0),
+        )
+        cold = vv.PrescribedTemperature(body=bar, nodes="x0", value="293 - 50 * min(t / 0.1, 1)")
+        return vv.System([bar, vv.Fixed(solid=bar, nodes="x0"), cold])
+
+    words = r"capacity of .* is 2e\+03 times as much about 271: .* adaptive=vv.Adaptive\(tolerance=1e-3\)"
+    with pytest.raises(vv.StepFailure, match=words):
+        vv.simulate(chilled(), until=50.0, step=0.5, scheme=vv.BDF2())
+    result = vv.simulate(
+        chilled(), until=5.0, step=0.02, scheme=vv.BDF2(), adaptive=vv.Adaptive(tolerance=1e-3)
+    )
+    assert result.times[-1] == 5.0
+
+
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
 def test_latent_heat_of_a_held_solid(scheme: vv.Scheme) -> None:
     """200 over 4 K: far above they cost no step, on them it loses what a lump does, c T' = 243 - T."""

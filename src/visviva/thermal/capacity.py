@@ -16,6 +16,10 @@ MOST_BENDS = 6
 """Of a table, see ``visviva/point/capacity.hpp``."""
 
 
+STEEP = 20.0
+"""Tables whose values differ by more have humps over which Newton's method may fail."""
+
+
 @dataclass(frozen=True, eq=False)
 class Capacity:
     """``c (1 + slope (T - zero)) + sum b max(0, T - t)``, with entropy and heat content that vanish at `zero`.
@@ -43,6 +47,20 @@ class Capacity:
     @property
     def is_constant(self) -> bool:
         return not self.slope and not np.any(self.bends[:, 1:])
+
+    @property
+    def steepness(self) -> str:
+        """What helps steps over its hump, as of latent heat, in words behind "the capacity"; empty if there is none."""
+        if not len(self.bends):
+            return ""
+        c = self.at(self.bends[:, 0])
+        if c.max() < STEEP * c.min():
+            return ""
+        return (
+            f"is {c.max() / c.min():.3g} times as much about {self.bends[np.argmax(c), 0]:g}: for steps over "
+            "such a hump give simulate adaptive=vv.Adaptive(tolerance=1e-3) and scheme=vv.BDF2(), or the "
+            "table the same heat over more kelvin"
+        )
 
     def _pieces(self, T: Array) -> Iterator[tuple[Any, float, Any, Array]]:
         """Pieces ``v + m (T - a)`` between bends that temperatures (n,) are away from `zero`: v, m, a, and how far.

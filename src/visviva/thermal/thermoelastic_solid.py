@@ -373,6 +373,11 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
 
     def trouble(self, x: Array) -> str:
+        steep = self.heat.stores.steepness if isinstance(self.heat, Heat) else ""
+        found = [self._trouble(x), f"The capacity of {self.label} {steep}" if steep else ""]
+        return ". ".join(word for word in found if word)
+
+    def _trouble(self, x: Array) -> str:
         if below := self.invalid(x):
             return below
         T = x[self.algorithmic.start : self.algorithmic.start + self.algorithmic.size]
