@@ -159,3 +159,33 @@ def test_creep_is_of_second_order_where_forces_balance_at_ends(scheme: vv.Scheme
     errors = np.array([end(n) - exact for n in (8, 16, 32)])
     assert errors[:-1] / errors[1:] == pytest.approx(4.0, rel=0.02)
     assert abs(errors[-1]) < 5e-4 * exact
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint(), vv.BDF2(), vv.GeneralizedAlpha()])
+def test_steps_far_beyond_the_time_of_relaxation(scheme: vv.Scheme) -> None:
+    """Of 100 of it, after a stretch: what balances at ends of steps has the force without branches, the rest rings."""
+    forces: list[list[float]] = []
+    rubber = vv.NeoHooke(shear=1.0, bulk=10.0)
+    for branches in ((), vv.prony((0.5,), (0.01,))):
+        common: dict[str, Any] = {
+            "mesh": vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+            "material": rubber,
+            "density": 0.0,
+        }
+        cube = vv.ViscoelasticSolid(**common, branches=branches) if branches else vv.Solid(**common)
+        sides = [vv.SymmetryPlane(solid=cube, nodes=f"{'xyz'[k]}0", normal=np.eye(3)[k]) for k in range(3)]
+        pull = vv.Prescribed(solid=cube, nodes="x1", motion=("0.1 * min(t / 2, 1)", None, None))
+        grip, found = vv.SupportForce(solid=cube, nodes="x1"), list[float]()
+        own = scheme if branches else vv.BackwardEuler()
+        vv.simulate(
+            vv.System([cube, *sides, pull]), until=12.0, step=1.0, scheme=own,
+            observe=lambda s, g=grip, f=found: f.append(float(g(s)[0])),
+        )  # fmt: skip
+        forces.append(found)
+    plain, relaxed = np.array(forces)[:, 4:]
+    off = relaxed / plain - 1
+    if isinstance(scheme, vv.EnergyMomentum | vv.Midpoint):
+        assert np.all(off[1:] / off[:-1] < -0.9)  # it hardly dies
+        assert 2e-3 < np.abs(off).max() < 1e-2
+    else:
+        assert np.abs(off).max() < 1e-4

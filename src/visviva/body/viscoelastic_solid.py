@@ -60,7 +60,8 @@ class ViscoelasticSolid(Branched, Solid):
     force, is exactly what the energy loses; the ledger has it as "dissipated", the energy of the springs as "stored".
     Branches see the strains of displacements: they have no volumetric stress, so that 'F-bar' and 'mixed' go with them.
     Fields of stress are those of the material alone, without the branches. Creep and relaxation are of
-    second order in the step, but for `BackwardEuler`.
+    second order in the step, but for `BackwardEuler`. Branches that relax in a hundredth of a step ring under
+    `EnergyMomentum` and `Midpoint`: take `BDF2` or `GeneralizedAlpha` there.
 
     Examples
     --------
