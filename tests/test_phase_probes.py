@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -46,12 +48,30 @@ def test_size_of_stripes() -> None:
     assert S[1] < 1e-4 * S[0]
 
 
+@pytest.mark.parametrize(
+    ("wave", "counts"), [(4.0, (256, 64)), (1.0, (256, 64)), (0.5, (256, 64)), (4.0, (32, 8, 8))]
+)
+def test_size_of_fine_stripes(wave: float, counts: Any) -> None:
+    """Waves are found however many there are, in a plane and in space."""
+    size = (16.0, 4.0, 4.0)[: len(counts)]
+    body = vv.AllenCahn(
+        mesh=(vv.RectangleMesh if len(counts) == 2 else vv.BoxMesh)(size=size, counts=counts),
+        free_energy=WELL,
+        gradient_energy=20.0,
+        order=lambda X: 0.5 + 0.1 * np.cos(2 * np.pi * X[:, 0] / wave),
+        periodic=[("x0", "x1"), ("y0", "y1")],
+    )
+    assert vv.DomainSize(body=body)(vv.System([body])) == pytest.approx(wave, rel=2e-3)
+
+
 def test_refusals() -> None:
     body = disc()
     with pytest.raises(vv.InputError, match=r"waves are finite vectors \(n, 2\) or \(n, 3\)"):
         structure_factor(body.space.cells(), body.start_values, [1.0])
-    with pytest.raises(vv.InputError, match="waves = 0 is not positive"):
-        vv.DomainSize(body=body, waves=0)
+    turned = vv.RectangleMesh(size=(40, 40), counts=(20, 20)).build().rotated(np.pi / 4)
+    aslant = vv.CahnHilliard(mesh=turned, free_energy=WELL, gradient_energy=20.0, concentration=0.5)
+    with pytest.raises(vv.InputError, match="fills 1600 of 3200 between its ends along the axes"):
+        vv.DomainSize(body=aslant)
     mixed = vv.CahnHilliard(
         mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
         free_energy=vv.FloryHuggins(chi=1.0),

@@ -36,7 +36,7 @@ def study(count: int = 8, size: float = 17.6, until: float = 40.0, seed: int = 1
             "energy": vv.PhaseEnergy(body=alloy),
             "interfaces": vv.InterfaceArea(body=alloy),
             "rich": vv.PhaseVolume(body=alloy, above=0.5),
-            "wavelength": vv.DomainSize(body=alloy, waves=3),
+            "wavelength": vv.DomainSize(body=alloy),
         },
         fields=("concentration",),
         adaptive=vv.Adaptive(tolerance=2e-3, max_step=5.0),

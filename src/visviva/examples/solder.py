@@ -45,7 +45,7 @@ def study(count: int = 16, until: float = 60.0, misfit: float = 0.03) -> vv.Stud
         probes={
             "interfaces": vv.InterfaceArea(body=alloy),
             "rich": vv.PhaseVolume(body=alloy, above=0.5),
-            "wavelength": vv.DomainSize(body=alloy, waves=6),
+            "wavelength": vv.DomainSize(body=alloy),
         },
         fields=("concentration", "von_mises"),
         adaptive=vv.Adaptive(tolerance=2e-3, max_step=5.0),

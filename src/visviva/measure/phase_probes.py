@@ -95,19 +95,22 @@ class DomainSize(Reading):
     Parameters
     ----------
     body : CahnHilliard, MixtureSolid or AllenCahn
-    waves : int
-        So many are looked at along each edge.
+        On a rectangle or box along the axes. All waves of four and more nodes are counted.
     """
 
     body: Body
-    waves: int = 12
 
     def __post_init__(self) -> None:
-        if self.waves < 1:
-            raise InputError(f"DomainSize: waves = {self.waves} is not positive")
+        size, volume = np.ptp(self.body.grid.points, axis=0), self.body.grid.volume
+        box = float(np.prod(size[size > 0]))
+        if abs(volume - box) > 1e-6 * box:
+            raise InputError(
+                f"DomainSize: {self.body.label} fills {volume:.6g} of {box:.6g} between its ends along the axes; "
+                "waves are counted in boxes along the axes alone"
+            )
 
     def __call__(self, system: System) -> Any:
         size = np.ptp(self.body.grid.points, axis=0)
         return domain_size(
-            self.body.space.cells(), coefficients(self.body, system), size.tolist(), self.waves
+            self.body.space.cells(), coefficients(self.body, system), size.tolist(), self.body.space.spacing
         )

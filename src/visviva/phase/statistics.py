@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visviva.base.errors import InputError
 from visviva.body.space import Table
+from visviva.mesh.cells import Ints
 
 Array = NDArray[np.float64]
 
@@ -48,16 +50,38 @@ def structure_factor(tables: Sequence[Table], c: Array, waves: ArrayLike) -> Arr
     return np.asarray(np.abs(total) ** 2 / volume)
 
 
-def domain_size(tables: Sequence[Table], c: Array, size: Sequence[float], waves: int = 16) -> float:
+def domain_size(tables: Sequence[Table], c: Array, size: Sequence[float], spacing: float) -> float:
     """``2 pi / <k>``, the mean wavenumber weighed by the structure factor, of a box with edges `size`.
 
-    Up to so many `waves` fit along each edge. In a box that is not periodic, ends spread the longest waves.
+    All waves of four and more nodes at a distance of `spacing` are counted. What quadrature points stand for is
+    shared between the places of a grid of half that distance, linearly, and transformed (Hockney and Eastwood 1988). In
+    a box that is not periodic, ends spread the longest waves.
     """
-    axes = [2 * np.pi * np.arange(-waves if a else 0, waves + 1) / L for a, L in enumerate(size)]
-    k = np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")], axis=1)
-    norm = np.linalg.norm(k, axis=1)
-    k, norm = k[norm > 0], norm[norm > 0]
-    S = structure_factor(tables, c, k)
+    wide = [a for a, L in enumerate(size) if L > 0]
+    edges = np.array(size)[wide]
+    shape = np.maximum(2, np.ceil(2 * edges / spacing)).astype(int)
+    k = np.meshgrid(
+        *(2 * np.pi * np.fft.fftfreq(n, L / n) for n, L in zip(shape, edges, strict=True)), indexing="ij"
+    )
+    shared = [np.sinc(axis * L / n / (2 * np.pi)) ** 2 for axis, L, n in zip(k, edges, shape, strict=True)]
+    S = np.abs(np.fft.fftn(_on_grid(tables, c, wide, edges, shape)) / np.prod(shared, axis=0)) ** 2
+    S[np.any([np.abs(axis) > np.pi / (2 * spacing) * (1 + 1e-9) for axis in k], axis=0)] = 0.0
+    S.flat[0] = 0.0
     if not S.sum() > 0:
         return float("inf")
-    return float(2 * np.pi * S.sum() / (norm * S).sum())
+    return float(2 * np.pi * S.sum() / (np.linalg.norm(k, axis=0) * S).sum())
+
+
+def _on_grid(tables: Sequence[Table], c: Array, wide: list[int], edges: Array, shape: Ints) -> Array:
+    """Integrals of deviations from the mean, shared between the places of a periodic grid."""
+    volume = sum(float(t.size.sum()) for t in tables)
+    mean = sum(float((t.size * t.at(c)).sum()) for t in tables) / volume
+    low = np.min([t.X.reshape(-1, 3).min(axis=0) for t in tables], axis=0)[wide]
+    total = np.zeros(shape)
+    for t in tables:
+        at = (t.X.reshape(-1, 3)[:, wide] - low) / edges * shape
+        first, weight = np.floor(at).astype(int), (t.size * (t.at(c) - mean)).ravel()
+        for corner in product((0, 1), repeat=len(wide)):
+            share = np.prod(np.abs(1 - np.array(corner) - (at - first)), axis=1)
+            np.add.at(total, tuple(((first + corner) % shape).T), share * weight)
+    return total
