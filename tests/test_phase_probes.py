@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.output.coloring import first_field
+from visviva.output.trajectory import Trajectory
 from visviva.phase.statistics import structure_factor
 
 WELL = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
@@ -80,3 +83,14 @@ def test_refusals() -> None:
     )
     with pytest.raises(vv.InputError, match="has no two phases"):
         vv.InterfaceArea(body=mixed)
+
+
+def test_their_fields_are_kept_unless_others_are_chosen(tmp_path: Path) -> None:
+    """By `Result.write` and `visviva run` alike; they colour before stresses do."""
+    result = vv.simulate(vv.System([disc()]), until=0.02, step=0.01)
+    result.write(tmp_path / "kept.vtkhdf")
+    with Trajectory(tmp_path / "kept.vtkhdf") as motion:
+        assert "concentration" in motion.fields
+        assert first_field(motion.fields) == "concentration"
+        assert first_field(["von_mises", "damage"]) == "damage"
+        assert first_field(["cauchy"]) == ""

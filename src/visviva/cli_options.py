@@ -41,7 +41,8 @@ Directory = Annotated[Path, Parameter(help="Directory of a run.")]
 Field = Annotated[
     str | None,
     Parameter(
-        help="Field that colours, or '' for none; if none is given velocity of what flows, else von_mises."
+        help="Field that colours, or '' for none; if none is given velocity of what flows, else damage, concentration, "
+        "order, von_mises or temperature."
     ),
 ]
 Format = Annotated[

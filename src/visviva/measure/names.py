@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from visviva.base.unit_labels import QUANTITIES, Units
+from visviva.component.meshed import Meshed
 
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+USUAL = ("von_mises", "pressure", "cauchy", "energy")
+"""Fields of solids that trajectories hold unless others are chosen."""
+LEADING = ("temperature", "concentration", "order", "damage")
+"""And of what has them."""
 FIELDS: dict[str, tuple[str, str]] = {
     "displacement": ("displacement", "length"),
     "velocity": ("velocity", "velocity"),
@@ -119,3 +127,9 @@ def units_of(name: str, probe: Any, value: Any, units: Units) -> list[str]:
         return size * [units.names[name]]
     each = getattr(probe, "quantities", None) or size * (getattr(probe, "quantity", ""),)
     return [units[quantity] if isinstance(quantity, str) and quantity else "" for quantity in each]
+
+
+def usual_fields(system: System) -> tuple[str, ...]:
+    """Fields that trajectories of a system hold unless others are chosen."""
+    meshed = [c for c in system.components if isinstance(c, Meshed)]
+    return (*USUAL, *(name for name in LEADING if any(name in c.widths() for c in meshed)))

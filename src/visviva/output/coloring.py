@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,13 @@ from visviva.output.trajectory import Trajectory
 
 STREAMED = "velocity", "temperature"
 """Fields that are drawn with streamlines."""
+FIRST = ("damage", "concentration", "order", "von_mises", "temperature")
+"""Fields that colour unless others are chosen, in this order."""
+
+
+def first_field(fields: Container[str]) -> str:
+    """The field that colours until another one is chosen; empty if there is none to choose."""
+    return next((name for name in FIRST if name in fields), "")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import json
 import re
 import tempfile
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.output.coloring import first_field
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.manifest import claim
@@ -167,11 +168,6 @@ def about(frames: Frames, files: RunDirectory) -> dict[str, Any]:
         "opening": OPENING,
         **changing(frames, files, labels),
     }
-
-
-def first_field(fields: Sequence[str]) -> str:
-    """The field that colours until another one is chosen."""
-    return next((name for name in ("von_mises", "temperature", "damage") if name in fields), "")
 
 
 def changing(frames: Frames, files: RunDirectory, labels: Labels) -> dict[str, Any]:

@@ -266,9 +266,7 @@ class Result:
         """
         return view_of(self, window=window, **options)
 
-    def write(
-        self, path: str | Path, fields: Sequence[str] = ("von_mises", "pressure", "cauchy", "energy")
-    ) -> None:
+    def write(self, path: str | Path, fields: Sequence[str] | None = None) -> None:
         """Write what is kept: a trajectory (``*.vtkhdf``) for ParaView, or a directory with tables and plot besides.
 
         Where the times do not grow, as on a path through limit points, the numbers of the states stand for them.
@@ -278,7 +276,8 @@ class Result:
         path
             File to write, or a directory, in which `visviva plot`, `picture`, `movie` and `vv.read` find it.
         fields
-            Fields of solids to store beside displacements, velocities and what contacts show; see `Solid.nodal`.
+            Fields to store beside displacements, velocities and what contacts show; see `Solid.nodal`. Unless they are
+            given, stresses and energies of solids, and temperatures, concentrations, orders and damages.
 
         Examples
         --------

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from visviva.output.page import Page
     from visviva.results.result import Result
 
-FIELDS = ("von_mises", "pressure", "cauchy", "energy")
-
 
 @dataclass(frozen=True, repr=False)
 class Picture:
@@ -100,9 +98,11 @@ def trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
         if holds_all:
             yield result.directory.trajectory
             return
+    from visviva.measure.names import usual_fields
+
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trajectory.vtkhdf"
-        write_trajectory(result, path, dict.fromkeys((*FIELDS, *wanted)))
+        write_trajectory(result, path, dict.fromkeys((*usual_fields(result.system), *wanted)))
         yield path
 
 
@@ -134,19 +134,20 @@ def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | N
             show(motion, **options)
         return None
     with tempfile.TemporaryDirectory() as folder:
-        write_directory(result, Path(folder) / "run", FIELDS)
+        write_directory(result, Path(folder) / "run")
         page = Page(write_page(Path(folder) / "run", **options).read_text(encoding="utf-8"))
     if has_screen() and "ipykernel" not in sys.modules:
         page.open()
     return page
 
 
-def write_trajectory(result: Result, path: str | Path, fields: Iterable[str]) -> None:
+def write_trajectory(result: Result, path: str | Path, fields: Iterable[str] | None = None) -> None:
     """The kept states as a file for ParaView, pictures and movies."""
+    from visviva.measure.names import usual_fields
     from visviva.output.vtkhdf import TrajectoryWriter
     from visviva.results.drawing import Drawing
 
-    drawing = Drawing(result.system, fields=tuple(fields))
+    drawing = Drawing(result.system, fields=tuple(usual_fields(result.system) if fields is None else fields))
     grow = bool((np.diff(result.times) > 0).all())
     times = (result.times if grow else np.arange(len(result.times), dtype=float)).tolist()
     with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:
@@ -154,7 +155,7 @@ def write_trajectory(result: Result, path: str | Path, fields: Iterable[str]) ->
             writer.append(time, drawing.points(x), drawing.values(x, v, records))
 
 
-def write_directory(result: Result, path: str | Path, fields: Sequence[str]) -> None:
+def write_directory(result: Result, path: str | Path, fields: Sequence[str] | None = None) -> None:
     """Trajectory, tables, names and figures in a directory, like those of a run but for its restart state."""
     from visviva.results.drawing import Drawing
 

@@ -110,8 +110,8 @@ def introduce(source: Source, project: bool) -> None:
 
 
 def shown(trajectory: Path, field: str | None) -> str:
-    """The field that was asked for, or the velocity where something flows, or von Mises' stress of solids."""
-    from visviva.output.coloring import Coloring
+    """The field that was asked for, or the velocity where something flows, or what says most of solids."""
+    from visviva.output.coloring import Coloring, first_field
     from visviva.output.trajectory import Trajectory
 
     if field is not None:
@@ -121,7 +121,7 @@ def shown(trajectory: Path, field: str | None) -> str:
             motion, float(motion.times[-1])
         ):
             return "velocity"
-        return "von_mises" if "von_mises" in motion.fields else ""
+        return first_field(motion.fields)
 
 
 def looks(

@@ -73,7 +73,8 @@ def read_scene(
     >>> study.system.components[0].mass, study.until
     (2.0, 1.0)
     """
-    from visviva.study.study import FIELDS, Study
+    from visviva.measure.names import USUAL
+    from visviva.study.study import Study
 
     if not isinstance(file, str | Path):
         raise InputError(f"read_scene: file is the path of a scene file, not {file!r}")
@@ -101,7 +102,7 @@ def read_scene(
         else None,
         probes=reader.probes(),
         trails=tuple(reader.value(("trails",), data.get("trails", []), list[str])),
-        fields=tuple(reader.value(("fields",), data.get("fields", list(FIELDS)), list[str])),
+        fields=tuple(reader.value(("fields",), data.get("fields", list(USUAL)), list[str])),
         moments=tuple(reader.value(("moments",), data.get("moments", []), list[float])),
         movie=reader.value(("movie",), data.get("movie", False), bool),
         pictures=reader.construct(("pictures",), Pictures, data.get("pictures", {})),

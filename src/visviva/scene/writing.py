@@ -61,7 +61,7 @@ def write_scene(what: Study | System, file: str | Path, *, until: float = 1.0, s
 
 def of_study(study: Study) -> dict[str, Any]:
     """A study as plain data."""
-    from visviva.study.study import FIELDS
+    from visviva.measure.names import USUAL
 
     data = {"title": study.title, "notes": study.notes} | of_system(study.system, study.until, study.step)
     data["run"]["scheme"] = value("scheme", study.scheme)
@@ -77,7 +77,7 @@ def of_study(study: Study) -> dict[str, Any]:
         data["probes"][name] = value(f"probe {name}", probe)
     data |= {"trails": list(study.trails), "moments": [float(t) for t in study.moments], "movie": study.movie}
     data["pictures"] = given("pictures", study.pictures)
-    fields = {} if tuple(study.fields) == FIELDS else {"fields": list(study.fields)}
+    fields = {} if tuple(study.fields) == USUAL else {"fields": list(study.fields)}
     data["units"] = study.units if isinstance(study.units, str) else dict(study.system.units.names)
     return {key: item for key, item in data.items() if item} | fields
 

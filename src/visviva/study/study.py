@@ -10,8 +10,7 @@ from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import Named, finite, positive, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.component.component import refuse_absent
-from visviva.component.meshed import Meshed
-from visviva.measure.names import columns_of, units_of
+from visviva.measure.names import USUAL, columns_of, units_of, usual_fields
 from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.output.pictures import ALWAYS, Pictures
 from visviva.scheme.schemes import EnergyMomentum, Scheme
@@ -19,11 +18,6 @@ from visviva.system.system import System
 
 Probe = Form | Vector | Strain | Callable[[System], Any]
 """Type of probes: a form, vector or strain, or a function of the system."""
-
-FIELDS = ("von_mises", "pressure", "cauchy", "energy")
-"""Fields of solids that trajectories hold unless others are chosen."""
-LEADING = ("temperature", "concentration", "order", "damage")
-"""And of what has them."""
 
 
 TYPES: tuple[tuple[str, Any, str], ...] = (
@@ -78,7 +72,7 @@ class Study(metaclass=Named):
     scheme: Scheme = field(default_factory=EnergyMomentum)
     probes: Mapping[str, Probe] = field(default_factory=dict)
     trails: tuple[str, ...] = ()
-    fields: Sequence[str] = FIELDS
+    fields: Sequence[str] = USUAL
     moments: Sequence[float] = ()
     movie: bool = False
     pictures: Pictures = field(default_factory=Pictures)
@@ -109,11 +103,8 @@ class Study(metaclass=Named):
     def stored(self) -> tuple[str, ...]:
         """Fields that the trajectory holds because they are asked for, by name or by what pictures show."""
         shown = (name for name in self.pictures.named.values() if name not in ALWAYS)
-        meshed = [c for c in self.system.components if isinstance(c, Meshed)]
-        leading = [
-            n for n in LEADING if tuple(self.fields) == FIELDS and any(n in c.widths() for c in meshed)
-        ]
-        return tuple(dict.fromkeys([*self.fields, *leading, *shown]))
+        usual = usual_fields(self.system) if tuple(self.fields) == USUAL else ()
+        return tuple(dict.fromkeys([*self.fields, *usual, *shown]))
 
 
 def measure(system: System, probe: Probe) -> Any:
