@@ -332,6 +332,66 @@ def pipe(radius: float, thickness: float, n: int) -> vv.ThermalShell:
     )
 
 
+@pytest.mark.parametrize("thickness", [0.4, 0.01])
+def test_a_source_in_a_shell_is_per_volume(thickness: float) -> None:
+    """2 pi R t a length, of a pipe; what arises in proportion to the height goes to the outer half more than it takes
+    from the inner one: with q (r - R) it is q t^3 / 12 2 pi, where the middle alone would have nothing."""
+    R, n = 1.0, 24
+    for power, expected in (
+        (7.0, 7.0 * R * thickness),
+        (lambda t, X: 7.0 * (np.hypot(X[:, 0], X[:, 1]) / radius(X, n) - R), 7.0 * thickness**3 / 12),
+    ):
+        body = pipe(R, thickness, n)
+        result = vv.simulate(vv.System([body, vv.HeatSource(body=body, power=power)]), until=0.01, step=0.01)
+        heat = 2 * np.pi * np.sinc(1 / n) * expected * 0.01
+        assert result.ledger["heat_source"][-1] == pytest.approx(heat, rel=1e-6)
+
+
+def radius(X: np.ndarray, n: int) -> np.ndarray:
+    """Of the polygon of n chords in the unit circle, in the direction of X."""
+    apart = np.mod(np.arctan2(X[:, 1], X[:, 0]), 2 * np.pi / n) - np.pi / n
+    return np.asarray(np.cos(np.pi / n) / np.cos(apart))
+
+
+@pytest.mark.parametrize("profile", ["linear", "quadratic"])
+@pytest.mark.parametrize("difference", [100.0, -300.0])
+def test_a_shell_starts_as_warm_as_it_was_said_to(profile: Any, difference: float) -> None:
+    """Faces and middle are as given, and the heat that it holds is that of the mean."""
+    body = vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(2, 3), counts=(2, 2)),
+        section=vv.SolidSection(material=SOFT, thickness=0.4, density=1e-3, points=3),
+        profile=profile,
+        heat=vv.Heat(conductivity=1.0, capacity=5.0, reference=280.0),
+        temperature=300.0,
+        difference=difference,
+    )
+    system = vv.System([body])
+    faces = 300.0 + difference * np.array([[-0.5, 0.5]] * 9)
+    assert body.face_temperatures(system.x) == pytest.approx(faces, abs=1e-8)
+    assert body.temperatures(system.x) == pytest.approx(300.0, abs=1e-8)
+    heat = vv.simulate(system, until=1e-9, step=1e-9).ledger["total"][0]
+    assert heat == pytest.approx(5.0 * 2.4 * 20.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["beam", "shell", "solid"])
+def test_temperatures_that_contradict_each_other_are_refused(kind: str) -> None:
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, reference=300.0)
+    body: Any
+    if kind == "beam":
+        body = vv.ThermalBeam(mesh=line(), section=SECTION, heat=heat)
+    elif kind == "shell":
+        body = plate(heat=heat)
+    else:
+        mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+        body = vv.ThermoelasticSolid(mesh=mesh, material=SOFT, density=1.0, heat=heat)
+    held = [
+        vv.PrescribedTemperature(body=body, nodes=nodes, value=value, name=name)
+        for nodes, value, name in (([0, 1], 310.0, "warm"), ([1, 2], 290.0, "cold"))
+    ]
+    with pytest.raises(vv.InputError, match=r"'warm' and .*'cold' hold node 1 of .* at 310 and at 290"):
+        vv.System([body, *held])
+
+
 @pytest.mark.parametrize(("side", "sign"), [("upper", 1.0), ("lower", -1.0)])
 def test_heat_through_a_side_is_per_area_of_that_side(side: str, sign: float) -> None:
     """2 pi (R +- t/2) a length, of a pipe whose wall is .4 of its radius; chords shorten both alike."""

@@ -156,8 +156,22 @@ class PrescribedTemperature(Component):
     def announce(self, model: Model) -> None:
         model.announce(self.body, self)
 
+    def _refuse_contradictions(self, other: PrescribedTemperature) -> None:
+        shared, own, its = np.intersect1d(self.chosen, other.chosen, return_indices=True)
+        values = self._temperatures(0.0)[own], other._temperatures(0.0)[its]
+        apart = np.flatnonzero(np.abs(values[0] - values[1]) > 1e-9 * np.abs(values[0]))
+        if len(apart):
+            k = apart[0]
+            raise InputError(
+                f"{self.label} and {other.label} hold node {shared[k]} of {self.body.label} at {values[0][k]:g} and at "
+                f"{values[1][k]:g}; leave it out of one of them"
+            )
+
     def contribute(self, model: Model) -> None:
         model.index(self.body)
+        for other in model.announced(self.body, PrescribedTemperature):
+            if other is not self and self.body.balances_entropy:  # heat has one holder of an unknown anyway
+                self._refuse_contradictions(other)
         given = GivenTemperatures(self.chosen, self._temperatures, self._rates, self._values.kinks)
         self.body.hold_temperatures(model, self, given)
 
@@ -192,7 +206,7 @@ class HeatSource(ThroughPoints):
     ----------
     body : ThermalBody or ThermoelasticSolid
     power : number, expression or table of time, or ``f(t, X)`` of time and positions (n, 3) with values (n,)
-        Per volume.
+        Per volume; of a `ThermalBeam` per length.
     """
 
     body: HeatCarrier
@@ -204,7 +218,7 @@ class HeatSource(ThroughPoints):
         self._values.checked(self.body.points)
 
     def points(self) -> Sequence[Points]:
-        return list(self.body.cell_points())
+        return list(self.body.source_points())
 
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
         return self._values.at(time, X), np.zeros_like(T)

@@ -162,6 +162,10 @@ class HeatCarrier(Component, Limited):
         """Quadrature points of faces for heat that comes in from outside, where the material ends."""
         return self.face_points(faces)
 
+    def source_points(self) -> Iterator[Points]:
+        """Quadrature points for heat that arises within, per volume; of a beam per length."""
+        return self.cell_points()
+
     @abstractmethod
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
         """The unknown of the temperature of each node at which heat passes in a step."""

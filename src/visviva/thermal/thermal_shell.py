@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass as plain_dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -35,6 +36,17 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 N_STRAINS = 23
 """Of the strain map: those of a layer, entropy and temperature with gradients."""
+UNSTRAINED = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+"""Components of C."""
+ROUNDS = 30
+"""At most, of Newton's method for entropies at the start."""
+
+
+@plain_dataclass(frozen=True, kw_only=True)
+class ThroughThickness(Points):
+    """Quadrature points in the volume of a shell, at heights `share` (q,) from -1 at the lower face to 1."""
+
+    share: Array
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -67,6 +79,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     and with quadratic profiles a third, the factor of ``zeta^2 - 1/3`` with zeta from -1 to 1; energy and both laws are
     those of `ThermoelasticSolid`, at every point of every layer. Heat comes in through the sides
     'upper' and 'lower' by `HeatFlux`, `Convection` and `Radiation`, per area of the side itself.
+    `HeatSource` is per volume, at every point of every layer.
     `PrescribedTemperature` holds nodes at one temperature through the thickness.
 
     Examples
@@ -147,13 +160,35 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def declare(self, model: Model) -> None:
         super().declare(model)
         T, half, heat = self.start_temperatures, self._start_halves, self.heat
-        s = np.stack([heat.start_entropy(T + sign * half) for sign in (-1.0, 1.0)])
-        rest = np.zeros((len(T), self._n_modes - 2))
-        modes = np.column_stack([s.mean(axis=0), 0.5 * (s[1] - s[0]), rest])
+        warm = np.column_stack([T, half, np.zeros((len(T), self._n_modes - 2))])
+        modes = self._start_entropies(warm)
         self.entropy = model.field(self, "entropy", modes, role=Role.CONTENT, scale=heat.stores.c)
-        self.algorithmic = model.field(
-            self, "temperature", np.column_stack([T, half, rest]), role=Role.TEMPERATURE, scale=heat.reference
-        )
+        self.algorithmic = model.field(self, "temperature", warm, role=Role.TEMPERATURE, scale=heat.reference)
+
+    def _start_entropies(self, modes: Array) -> Array:
+        """Entropies (n, modes) whose temperatures have these modes (n, modes), in the mean square of the points."""
+        through, shapes = self._stacks[0].through, self._shapes(self._share(self._stacks[0]))
+        weighted, given = through.weights * shapes, modes @ shapes
+        gram = np.linalg.inv(weighted @ shapes.T)
+        s = self.heat.start_entropy(given.ravel()).reshape(given.shape) @ weighted.T @ gram
+        for _ in range(ROUNDS):
+            T, slope = np.empty_like(given), np.empty_like(given)
+            for k, layer in enumerate(through.layers):
+                at = s @ shapes[:, k]
+                small = 1e-6 * self.heat.stores.c
+                T[:, k], more = (
+                    self.heat.respond(layer.material, np.tile(UNSTRAINED, (len(at), 1)), at + by)[0]
+                    for by in (0.0, small)
+                )
+                slope[:, k] = (more - T[:, k]) / small
+            off = (given - T) @ weighted.T
+            s = (
+                s
+                + np.linalg.solve(np.einsum("ak,bk,nk->nab", weighted, shapes, slope), off[..., None])[..., 0]
+            )
+            if np.abs(off @ gram).max() < 1e-13 * np.abs(given).max():
+                break
+        return np.asarray(s)
 
     def _modes(self, nodes: Ints, first: int) -> Ints:
         """Unknowns (m, modes k) of the means of nodes, then of the halves of differences and so on."""
@@ -286,6 +321,19 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
             return np.zeros(len(nodes))
         return np.where(looks_up(nodes, self.cells_of(kind, faces.owners[kind])), 1.0, -1.0)
 
+    def source_points(self) -> Iterator[Points]:
+        (stack,) = self._stacks
+        surface, z = stack.surface, stack.through.heights
+        N, nodes = CELLS[surface.kind].N(surface.rule[0]), surface.cells[stack.cells]
+        x = surface.points[nodes][:, None] + z[:, None, None] * surface.directors[nodes][:, None]
+        yield ThroughThickness(
+            nodes=nodes,
+            N=np.repeat(N, len(z), axis=0),
+            X=np.einsum("mkna,sn->mska", x, N).reshape(len(nodes), -1, 3),
+            size=stack.layers.volume.reshape(len(nodes), -1),
+            share=np.tile(self._share(stack), len(N)),
+        )
+
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
         side = np.zeros(len(points.nodes))
         if isinstance(points, FacePoints):
@@ -295,13 +343,14 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
                 )
             d = np.einsum("mkc->mc", self.parts[0].directors[points.nodes])
             side = np.sign(np.einsum("mqc,mc->m", points.normal, d))
+        inner = points.share if isinstance(points, ThroughThickness) else np.zeros(len(points.N))
         for sign in np.unique(side):
             some = side == sign
             nodes = points.nodes[some]
             unknowns = np.hstack([self._modes(nodes, f.start) for f in (self.entropy, self.algorithmic)])
             part = Points(
                 nodes=nodes,
-                N=np.hstack([points.N, *(a * points.N for a in self._at_side(sign))]),
+                N=np.hstack([shape[:, None] * points.N for shape in self._shapes(inner + sign)]),
                 X=points.X[some],
                 size=points.size[some],
             )
