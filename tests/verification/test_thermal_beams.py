@@ -196,6 +196,53 @@ def test_power_and_held_ends_of_a_beam() -> None:
     assert result.ledger.imbalance() < 1e-10
 
 
+@pytest.mark.parametrize("cell", ["line2", "line3", "line4"])
+def test_a_free_beam_feels_nothing_however_warm_its_ends(cell: str) -> None:
+    """Temperatures linear along it and across it leave no force and no moment."""
+    beam = vv.ThermalBeam(
+        mesh=line(4, cell, length=2.0),
+        section=vv.RectangleSection(width=0.1, height=0.2, young=1e6, poisson=0.3),
+        heat=vv.Heat(conductivity=1e-9, capacity=1e4, expansion=1e-5, reference=300.0),
+        temperature=lambda X: 300 + 100 * X[:, 0],
+        slopes=(50.0, 20.0),
+    )
+    system = settled([beam, vv.Clamped(solid=beam, nodes="start")])
+    assert np.abs(beam.resultants(system.x)[..., 2]).max() < 1e-6 * (1e6 * 0.02 * 1e-5 * 200)
+
+
+@pytest.mark.parametrize(
+    ("cell", "node", "place"),
+    [("line3", 1, 1 / 4), ("line4", 1, 1 / 6), ("line4", 2, 1 / 3), ("line4", 3, 1 / 2)],
+)
+def test_heat_passes_at_nodes_within_cells(cell: str, node: int, place: float) -> None:
+    """A store of 10 J/K at 400 K and the beam of as much at 300 K end at 350 K, whichever node they meet at; what a
+    node within a cell takes goes to the ends of that by where the coordinate of the cell has it."""
+    section = vv.RectangleSection(width=0.1, height=0.1, young=1e3, density=1.0)
+    heat = vv.Heat(conductivity=500.0, capacity=1e3, reference=300.0)
+    beam = vv.ThermalBeam(mesh=line(2, cell), section=section, heat=heat)
+    store = vv.HeatStore(capacity=10.0, temperature=400.0)
+    link = vv.HeatExchange(a=beam, nodes_a=[node], b=store, conductance=1.0)
+    system = vv.System([beam, store, link], vv.Newton(tolerance=1e-13))
+    result = vv.simulate(system, until=100.0, step=0.5)
+    assert store.temperature_at(system.x) == pytest.approx(350.0, abs=1e-3)
+    assert beam.temperatures(system.x) == pytest.approx(350.0, abs=1e-3)
+    assert np.ptp(result.ledger["total"]) < 1e-12 * 10.0 * 100.0
+    port = beam.heat_port(np.array([node]), np.ones(1))
+    where = beam.points[np.unique(beam.line.cells[:, :2]), 0]
+    at = (port.temperatures - beam.algorithmic.start) // 3
+    assert where[at] @ port.weights == pytest.approx(place)
+
+
+def test_temperatures_of_nodes_within_cells_are_not_held_without_their_ends() -> None:
+    beam = vv.ThermalBeam(mesh=line(2, "line3"), section=SECTION, heat=HEAT)
+    middle = next(n for n in range(5) if n not in beam.line.cells[:, :2])
+    a, b = beam.line.cells[beam.line.cells[:, 2] == middle][0, :2]
+    held = vv.PrescribedTemperature(body=beam, nodes=[middle], value=25.0, name="held")
+    with pytest.raises(vv.InputError, match=f"'held': node {middle} of .* nodes {a} and {b}, make it"):
+        vv.System([beam, held])
+    vv.System([beam, vv.PrescribedTemperature(body=beam, nodes=[middle, a, b], value=25.0)])
+
+
 @pytest.mark.parametrize("kind", ["line2", "line3", "quad4", "tri3"])
 @pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BackwardEuler()])
 def test_held_temperatures_conduct_however_strains_couple(kind: str, scheme: Any) -> None:

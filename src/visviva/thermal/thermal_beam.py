@@ -56,7 +56,8 @@ class ThermalBeam(Beam, HeatCarrier):
     T0)``, where m, m_1 and m_2 are C times the strain and the curvatures that heat alone would leave: it expands,
     and a difference across the section curves it. Temperatures are linear in each cell. Heat flows along by all
     three temperatures, and evens the slopes out across the section. The sides are insulated but for `HeatSource`, a
-    power per length, and `HeatExchange`.
+    power per length, and `HeatExchange`. Nodes within cells of three and four nodes take it by the temperatures of
+    the ends of their cell, and are held together with these alone.
     Energy and entropy are those of `ThermoelasticSolid`: kept to round-off, and never falling. The entropy that
     arises is that of slopes which are small beside the mean temperature.
 
@@ -210,14 +211,19 @@ class ThermalBeam(Beam, HeatCarrier):
         self._conducts.append(term)
         np.add.at(self._content, self._place[ends], np.einsum("mq,mqk->mk", length, scalar[..., 0]))
 
+    @cached_property
+    def _thermal(self) -> Array:
+        """Forces and moments (m, 3, 6) by the strain, and its slopes, that heat leaves: z + x2 K1 - x1 K2."""
+        C = self.stiffness
+        return np.stack([C[:, 2], -C[:, 4], C[:, 3]], axis=1)
+
     def _parameters(self, cells: Ints) -> Array:
         """See ``visviva/point/heat_stores.hpp``: (m, p)."""
         heat, C = self.heat, self.stiffness[cells]
         a, b = np.triu_indices(6)
         A, moments = self._areas[cells, None], self._second_moments[cells]
         c, k = heat.stores.c, float(np.asarray(heat.conductivity))
-        thermal = [C[:, :, 2], -C[:, :, 4], C[:, :, 3]]  # of the strain z + x2 K1 - x1 K2 along the line
-        coupling = [heat.expansion * m for m in thermal]
+        coupling = [heat.expansion * m for m in self._thermal[cells].swapaxes(0, 1)]
         zero = np.full_like(A, heat.reference)
         return np.hstack(
             [
@@ -234,7 +240,14 @@ class ThermalBeam(Beam, HeatCarrier):
         )
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
-        held = self._place[given.nodes] >= 0
+        held, (ends, _) = self._place[given.nodes] >= 0, self._ends_of(given.nodes)
+        lost = np.flatnonzero(~held & ~np.isin(ends, given.nodes).all(axis=1))
+        if len(lost):
+            a, b = ends[lost[0]]
+            raise InputError(
+                f"{owner.label}: node {given.nodes[lost[0]]} of {self.label} lies within a cell, and is as warm as the "
+                f"ends of that, nodes {a} and {b}, make it; hold these"
+            )
         nodes, now = given.nodes[held], given.values(0.0)[held]
         if np.any(now <= 0):
             raise InputError(
@@ -265,8 +278,18 @@ class ThermalBeam(Beam, HeatCarrier):
         return self._unknowns(nodes, self.entropy.start).astype(np.int32)
 
     def heat_port(self, nodes: Ints, weights: Array, modes: Array | None = None) -> HeatPort:
-        there = self._place[nodes] >= 0  # midside nodes have no temperatures of their own
-        return super().heat_port(nodes[there], weights[there] / weights[there].sum(), modes)
+        ends, shares = self._ends_of(nodes)
+        total = np.zeros(self.grid.n_nodes)
+        np.add.at(total, ends, weights[:, None] * shares)
+        found = np.flatnonzero(total)
+        return super().heat_port(found, total[found], modes)
+
+    def _ends_of(self, nodes: Ints) -> tuple[Ints, Array]:
+        """Corners (k, 2) by whose temperatures nodes (k,) have theirs, and the shares (k, 2) of both."""
+        cells = self.line.cells
+        order = np.argsort(cells, axis=None)  # of a node its first place
+        cell, a = np.divmod(order[np.searchsorted(cells.ravel(), nodes, sorter=order)], cells.shape[1])
+        return cells[cell, :2], self._to_ends[a]
 
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Any:
         """There are none: a beam is a line.
@@ -288,14 +311,17 @@ class ThermalBeam(Beam, HeatCarrier):
 
     def section_temperatures(self, x: Array) -> Array:
         """Mean temperature and its slopes (n, 3) along d1 and d2 at the nodes, of strains and entropies."""
+        return self._spread(self._projection([self._at_points(x)]))
+
+    def _at_points(self, x: Array) -> Array:
+        """Mean temperature and its slopes (m, q, 3) at the points where heat is balanced."""
         heat, c, part = self.heat, self.heat.stores.c, self._projection.parts[0]
         s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)
         e = np.broadcast_to(self.strains(x), (*part.sizes.shape, 6))
-        thermal = np.stack([self.stiffness[:, 2], -self.stiffness[:, 4], self.stiffness[:, 3]], axis=1)
-        beside = part.N @ s[part.numbers] - heat.expansion * np.einsum("mik,mqk->mqi", thermal, e)
+        beside = part.N @ s[part.numbers] - heat.expansion * np.einsum("mik,mqk->mqi", self._thermal, e)
         mean = heat.reference * np.exp(beside[..., :1] / (c * self._areas[0]))
         slopes = beside[..., 1:] * heat.reference / (c * self._second_moments[0])
-        return self._spread(self._projection([np.concatenate([mean, slopes], axis=2)]))
+        return np.concatenate([mean, slopes], axis=2)
 
     def _spread(self, values: Array) -> Array:
         """Values (n, j) of all nodes by those of the corners."""
@@ -323,10 +349,8 @@ class ThermalBeam(Beam, HeatCarrier):
 
     def resultants(self, x: Array) -> Array:
         """Forces and moments (m, q, 6) in the sections, with those that heat leaves."""
-        heat, T = self.heat, self.section_temperatures(x)[self.line.cells[:, :2]].mean(axis=1)
-        thermal = np.stack(
-            [self.stiffness[:, :, 2], -self.stiffness[:, :, 4], self.stiffness[:, :, 3]], axis=1
-        )
+        heat, found, T = self.heat, super().resultants(x), self._at_points(x)
+        if found.shape[1] < T.shape[1]:
+            T = T.mean(axis=1, keepdims=True)  # of the points of heat about the one of strains
         rise = T - np.array([heat.reference, 0.0, 0.0])
-        less = heat.expansion * np.einsum("mi,mik->mk", rise, thermal)
-        return np.asarray(super().resultants(x) - less[:, None])
+        return np.asarray(found - heat.expansion * np.einsum("mqi,mik->mqk", rise, self._thermal))
