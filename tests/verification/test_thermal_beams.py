@@ -196,6 +196,60 @@ def test_power_and_held_ends_of_a_beam() -> None:
     assert result.ledger.imbalance() < 1e-10
 
 
+@pytest.mark.parametrize("mean", [150.0, 300.0, 900.0])
+def test_slopes_even_out_alike_at_any_temperature(mean: float) -> None:
+    """exp(-k A t / c I_i) of slopes small beside the mean, along both axes, however far that is from the reference."""
+    k, c, width, height = 2.0, 5.0, 0.2, 0.3
+    beam = vv.ThermalBeam(
+        mesh=line(2),
+        section=vv.RectangleSection(width=width, height=height, young=10.0, density=1.0),
+        heat=vv.Heat(conductivity=k, capacity=c, reference=300.0),
+        temperature=mean,
+        slopes=(2.0, 5.0),
+    )
+    system = vv.System([beam])
+    vv.simulate(system, until=0.005, step=2e-4)
+    left = np.exp(-12 * k / (c * np.array([width, height]) ** 2) * 0.005)
+    assert beam.section_temperatures(system.x)[:, 1:] == pytest.approx(
+        np.tile(left * (2.0, 5.0), (3, 1)), rel=2e-3
+    )
+
+
+@pytest.mark.parametrize(("axis", "height"), [(0, 0.1), (1, 0.2)])
+def test_steep_slopes_are_those_of_a_plate(axis: int, height: float) -> None:
+    """A section with two points across is a strip of `ThermalShell` with two: from 100 to 500 K they even out alike."""
+    heat, apart = vv.Heat(conductivity=2.0, capacity=5.0, reference=250.0), 400.0
+    slopes = np.zeros(2)
+    slopes[axis] = apart / height
+    beam = vv.ThermalBeam(
+        mesh=line(2), section=SECTION, heat=heat, temperature=300.0, slopes=tuple(slopes.tolist())
+    )
+    shell = vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+        section=vv.SolidSection(material=SOFT, thickness=height, density=1.0),
+        heat=heat,
+        temperature=300.0,
+        difference=apart,
+    )
+    found, begun = [], []
+    for body in (beam, shell):
+        system = vv.System([body], vv.Newton(tolerance=1e-13))
+        begun.append(body.temperatures(system.x)[0])
+        time = height**2 * 5.0 / (12 * 2.0)
+        result = vv.simulate(system, until=time, step=time / 20)
+        assert np.ptp(result.ledger["total"]) < 1e-12 * result.ledger["total"][0]
+        faces = (
+            body.face_temperatures(system.x)[0]
+            if isinstance(body, vv.ThermalShell)
+            else body.section_temperatures(system.x)[0, 0]
+            + height / 2 * body.section_temperatures(system.x)[0, 1 + axis] * np.array([-1.0, 1.0])
+        )
+        found.append(faces)
+    assert begun == pytest.approx([300.0, 300.0], abs=1e-8)
+    assert found[0] == pytest.approx(found[1], abs=1e-6)
+    assert np.ptp(found[0]) < 0.5 * apart
+
+
 @pytest.mark.parametrize("cell", ["line2", "line3", "line4"])
 def test_a_free_beam_feels_nothing_however_warm_its_ends(cell: str) -> None:
     """Temperatures linear along it and across it leave no force and no moment."""
@@ -490,6 +544,7 @@ BAD = [
     (lambda: flying_shell("quadratic"), "give it points=3"),
     (lambda: linked_by_both_sides(plate()), "take 'upper', 'lower' and edges each for itself"),
     (lambda: strip((0.0, 0.0), -300.0), "not above absolute zero"),
+    (lambda: strip((0.0, 300.0 / 0.025)), "not above absolute zero"),
     (
         lambda: vv.ThermalBeam(
             mesh=line(), section=SECTION, heat=vv.Heat(conductivity=1.0, capacity=1.0, moduli_slope=0.1)

@@ -125,117 +125,138 @@ struct HeatedBeamMap : Layout<HeatedBeamMap> {
     }
 };
 
-/// Of a section with strains e, mean temperature theta and slopes theta_i across:
-/// psi = e . C e / 2 - (theta - theta0) m_0 . e - theta_i m_i . e + c (theta - theta0 - theta ln(theta /
-/// theta0)) - b_i theta_i^2 / 2, as internal energy of entropies. Parameters: C, upper triangle by rows; m_0,
-/// m_1, m_2; c, theta0, b_1, b_2; and of the pairing conductances along of the three, across of the slopes.
+/// Of a section with strains e and entropies S_0, S_1, S_2, whose material lies at four points, r_1 and r_2
+/// to both sides of its axes: its area and second moments are theirs. With the entropy of a point, in units
+/// of the capacity c of the section, z = y_0 +- y_1 +- y_2 where y_i = (S_i - m_i . e) / (c r_i) and r_0 = 1,
+/// its temperature is theta0 exp(z), and e . C e / 2 + theta0 m_0 . e + c (mean of these - theta0) the
+/// energy: what entropies work on is the mean temperature and its slopes in the mean square. Parameters: C,
+/// upper triangle by rows; m_0, m_1, m_2; c, theta0, r_1, r_2; and of the pairing the conductance along.
 struct HeatedSectionEnergy : PlainEnergy {
-    static constexpr int n = 9, m = 21, c = 39, zero = 40, b = 41, along = 43, across = 46, max_par = 48;
+    static constexpr int n = 9, m = 21, c = 39, zero = 40, radius = 41, conductance = 43, max_par = 44;
+    static constexpr int n_points = 4;
     const V* p;
     explicit HeatedSectionEnergy(const V* par) : p(par) {}
     V stiffness(int k, int l) const { return p[k < l ? packed(6, k, l) : packed(6, l, k)]; }
+    /// Heights of point a along d1 or d2, i = 0 or 1.
+    template <class P>
+    static VISVIVA_INLINE V height(const P* par, int a, int i) {
+        return (a >> i) % 2 ? par[radius + i] : -par[radius + i];
+    }
+    /// Derivatives of z of all points by strains and entropies.
+    struct Slopes {
+        V of[n_points][n];
+    };
+    Slopes slopes() const {
+        Slopes found;
+        for (int a = 0; a < n_points; ++a) {
+            const V by[3] = {1.0 / p[c], 1.0 / (p[c] * height(p, a, 0)), 1.0 / (p[c] * height(p, a, 1))};
+            for (int i = 0; i < 3; ++i) found.of[a][6 + i] = by[i];
+            for (int k = 0; k < 6; ++k) {
+                found.of[a][k] = V{};
+                for (int i = 0; i < 3; ++i) found.of[a][k] -= by[i] * p[m + 6 * i + k];
+            }
+        }
+        return found;
+    }
+    static V along(const V* slope, const V* e) {
+        V z{};
+        for (int k = 0; k < n; ++k) z += slope[k] * e[k];
+        return z;
+    }
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        V M[3] = {}, Ce[6];
+        const Slopes by = slopes();
+        const V share = p[c] * p[zero] / n_points;
+        to.W = V{};
+        for (int k = 0; k < n; ++k) to.s[k] = V{};
+        to.s[6] = p[zero];  // with a mean rise of nothing; what that is to the strains goes with m_0
+        if constexpr (second)
+            for (int k = 0; k < n * (n + 1) / 2; ++k) to.d[k] = V{};
         for (int k = 0; k < 6; ++k) {
-            for (int i = 0; i < 3; ++i) M[i] += p[m + 6 * i + k] * e[k];
-            Ce[k] = V{};
-            for (int l = 0; l < 6; ++l) Ce[k] += stiffness(k, l) * e[l];
+            V Ce{};
+            for (int l = 0; l < 6; ++l) Ce += stiffness(k, l) * e[l];
+            to.W += (0.5 * Ce + p[zero] * p[m + k]) * e[k];
+            to.s[k] = Ce;
+            if constexpr (second)
+                for (int l = k; l < 6; ++l) to.d[packed(n, k, l)] = p[packed(6, k, l)];
         }
-        const V rise = p[zero] * expm1((e[6] - M[0]) / p[c]), theta = p[zero] + rise;
-        const V slope[2] = {(e[7] - M[1]) / p[b], (e[8] - M[2]) / p[b + 1]};
-        to.W = p[zero] * M[0] + p[c] * rise;
-        for (int i = 0; i < 2; ++i) to.W += 0.5 * p[b + i] * slope[i] * slope[i], to.s[7 + i] = slope[i];
-        to.s[6] = theta;
-        for (int k = 0; k < 6; ++k) {
-            to.W += 0.5 * Ce[k] * e[k];
-            to.s[k] = Ce[k] - rise * p[m + k] - slope[0] * p[m + 6 + k] - slope[1] * p[m + 12 + k];
-        }
-        if constexpr (second) {
-            for (int k = 0; k < 45; ++k) to.d[k] = V{};
-            const V by[3] = {theta / p[c], 1.0 / p[b], 1.0 / p[b + 1]};
-            for (int i = 0; i < 3; ++i) {
-                to.d[packed(n, 6 + i, 6 + i)] = by[i];
-                for (int k = 0; k < 6; ++k) {
-                    to.d[packed(n, k, 6 + i)] = -by[i] * p[m + 6 * i + k];
-                    for (int l = k; l < 6; ++l)
-                        to.d[packed(n, k, l)] += by[i] * p[m + 6 * i + k] * p[m + 6 * i + l];
-                }
+        for (int a = 0; a < n_points; ++a) {
+            const V* slope = by.of[a];
+            const V rise = expm1(along(slope, e));
+            to.W += share * rise;
+            for (int k = 0; k < n; ++k) {
+                to.s[k] += share * rise * slope[k];
+                if constexpr (second)
+                    for (int l = k; l < n; ++l)
+                        to.d[packed(n, k, l)] += share * (rise + 1.0) * slope[k] * slope[l];
             }
-            for (int k = 0; k < 6; ++k)
-                for (int l = k; l < 6; ++l) to.d[packed(n, k, l)] += p[packed(6, k, l)];
         }
     }
-    /// All but an exponential of the scalar x = s - m_0 . e is quadratic: with the difference quotient of
-    /// that one and the mean of the rest no strain is weighed against another, nor extension against
-    /// curvature.
+    /// All but exponentials of the scalars z is quadratic: with the difference quotients of these and the
+    /// mean of the rest no strain is weighed against another, nor extension against curvature.
     template <bool tangent>
     void discrete_gradient(const V* e0, const V* e1, V* s, V* T) const {
-        V middle[6], first = e0[6], change = e1[6] - e0[6];
-        for (int k = 0; k < 6; ++k) {
-            middle[k] = 0.5 * (e0[k] + e1[k]);
-            first -= p[m + k] * e0[k], change -= p[m + k] * (e1[k] - e0[k]);
-        }
-        const V y = change / p[c], before = expm1(first / p[c]);
-        const VI near = vabs(y) < 1e-2;
-        const V safe = select(near, broadcast(1.0), y);
-        constexpr double a[6] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040};
-        V more{}, bend{};  // expm1(y) / y - 1 and its slope
-        for (int k = 5; k >= 0; --k) more = more * y + a[k], bend = bend * y + (k + 1) * a[k];
-        more = select(near, more * y, expm1(safe) / safe - 1.0);
-        bend = select(near, bend, (expm1(safe) - more) / safe);
-        const V rise = p[zero] * (before + more + before * more);
-        const V by = p[zero] / p[c] * (before + 1.0) * bend;
-        V slope[2];
-        for (int i = 0; i < 2; ++i) {
-            slope[i] = 0.5 * (e0[7 + i] + e1[7 + i]);
-            for (int k = 0; k < 6; ++k) slope[i] -= p[m + 6 + 6 * i + k] * middle[k];
-            s[7 + i] = slope[i] = slope[i] / p[b + i];
-        }
-        s[6] = p[zero] + rise;
-        for (int k = 0; k < 6; ++k) {
-            s[k] = -rise * p[m + k] - slope[0] * p[m + 6 + k] - slope[1] * p[m + 12 + k];
-            for (int l = 0; l < 6; ++l) s[k] += stiffness(k, l) * middle[l];
-        }
-        if constexpr (tangent) {
-            const V by_heat[3] = {by, 0.5 / p[b], 0.5 / p[b + 1]};
+        const Slopes by = slopes();
+        const V share = p[c] * p[zero] / n_points;
+        V change[n];
+        for (int k = 0; k < n; ++k) change[k] = e1[k] - e0[k], s[k] = V{};
+        s[6] = p[zero];
+        if constexpr (tangent)
             for (int k = 0; k < n * n; ++k) T[k] = V{};
-            for (int i = 0; i < 3; ++i) {
-                T[(n + 1) * (6 + i)] = by_heat[i];
-                for (int k = 0; k < 6; ++k) {
-                    T[n * k + 6 + i] = T[n * (6 + i) + k] = -by_heat[i] * p[m + 6 * i + k];
-                    for (int l = 0; l < 6; ++l)
-                        T[n * k + l] += by_heat[i] * p[m + 6 * i + k] * p[m + 6 * i + l];
+        for (int k = 0; k < 6; ++k) {
+            for (int l = 0; l < 6; ++l) {
+                s[k] += 0.5 * stiffness(k, l) * (e0[l] + e1[l]);
+                if constexpr (tangent) T[n * k + l] = 0.5 * stiffness(k, l);
+            }
+        }
+        for (int a = 0; a < n_points; ++a) {
+            const V* slope = by.of[a];
+            const V y = along(slope, change), before = expm1(along(slope, e0));
+            const VI near = vabs(y) < 1e-2;
+            const V safe = select(near, broadcast(1.0), y);
+            constexpr double series[6] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040};
+            V more{}, bend{};  // expm1(y) / y - 1 and its slope
+            for (int k = 5; k >= 0; --k) more = more * y + series[k], bend = bend * y + (k + 1) * series[k];
+            more = select(near, more * y, expm1(safe) / safe - 1.0);
+            bend = select(near, bend, (expm1(safe) - more) / safe);
+            const V rise = share * (before + more + before * more);
+            for (int k = 0; k < n; ++k) {
+                s[k] += rise * slope[k];
+                if constexpr (tangent) {
+                    const V one = share * (before + 1.0) * bend * slope[k];
+                    for (int l = 0; l < n; ++l) T[n * k + l] += one * slope[l];
                 }
             }
-            for (int k = 0; k < 6; ++k)
-                for (int l = 0; l < 6; ++l) T[n * k + l] += 0.5 * stiffness(k, l);
         }
     }
 };
 
-/// Heat flows along by all three temperatures and evens the slopes out across. Entropy arises by the mean
-/// temperature, which is what slopes small beside it leave of the integral over the section.
+/// Heat flows along and across at every point by its temperature there, and entropy arises.
 struct HeatedSectionPairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         using P = HeatedSectionEnergy;
+        using T = typename State::T;
+        const V share = z.par[P::conductance] / P::n_points;
+        const T zero = 0.0 * z.e(12);
         for (int k = 0; k < 6; ++k) f[k] = z.s(k);
-        const auto zero = 0.0 * z.e(12), inverse = (zero + broadcast(1.0)) / z.e(12);
-        auto square = zero;
         for (int i = 0; i < 3; ++i) {
-            const auto flux = z.par[P::along + i] * z.e(15 + i);
-            square = square + flux * z.e(15 + i);
-            f[6 + i] = z.rate(6 + i), f[9 + i] = flux * inverse;
-            f[12 + i] = z.e(12 + i) - z.s(6 + i), f[15 + i] = zero;
+            f[6 + i] = z.rate(6 + i), f[9 + i] = f[15 + i] = zero;
+            f[12 + i] = z.e(12 + i) - z.s(6 + i);
         }
-        for (int i = 1; i < 3; ++i) {
-            const auto flux = z.par[P::across + i - 1] * z.e(12 + i);
-            square = square + flux * z.e(12 + i);
-            f[6 + i] = f[6 + i] + flux * inverse;
+        for (int a = 0; a < P::n_points; ++a) {
+            const V x[3] = {broadcast(1.0), P::height(z.par, a, 0), P::height(z.par, a, 1)};
+            const T along = z.e(15) + x[1] * z.e(16) + x[2] * z.e(17);
+            const T inverse = (zero + broadcast(1.0)) / (z.e(12) + x[1] * z.e(13) + x[2] * z.e(14));
+            const T square = along * along + z.e(13) * z.e(13) + z.e(14) * z.e(14);
+            const T made = share * (square * inverse * inverse);
+            for (int i = 0; i < 3; ++i) {
+                f[6 + i] = f[6 + i] - x[i] * made;
+                f[9 + i] = f[9 + i] + (share * x[i]) * (along * inverse);
+                if (i > 0) f[6 + i] = f[6 + i] + share * (z.e(12 + i) * inverse);
+            }
         }
-        f[6] = f[6] - square * inverse * inverse;
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

@@ -52,14 +52,14 @@ class ThermalBeam(Beam, HeatCarrier):
     Notes
     -----
     With the stiffness C of the section and strains e the free energy per length is
-    ``e.C e / 2 - (T - T0) m.e - T_1 m_1.e - T_2 m_2.e + c A (T - T0 - T ln(T / T0)) - c (I_1 T_1^2 + I_2 T_2^2) / (2
-    T0)``, where m, m_1 and m_2 are C times the strain and the curvatures that heat alone would leave: it expands,
-    and a difference across the section curves it. Temperatures are linear in each cell. Heat flows along by all
-    three temperatures, and evens the slopes out across the section. The sides are insulated but for `HeatSource`, a
-    power per length, and `HeatExchange`. Nodes within cells of three and four nodes take it by the temperatures of
-    the ends of their cell, and are held together with these alone.
-    Energy and entropy are those of `ThermoelasticSolid`: kept to round-off, and never falling. The entropy that
-    arises is that of slopes which are small beside the mean temperature.
+    ``e.C e / 2 - (T - T0) m.e - T_1 m_1.e - T_2 m_2.e + c A <T - T0 - T ln(T / T0)>``, where m, m_1 and m_2 are C times
+    the strain and the curvatures that heat alone would leave: it expands, and a difference across the section curves
+    it. The mean <> is that of four points as far from the axes of the section as its radii of gyration: its area and
+    second moments are theirs, so that slopes store heat and even out at any temperature. Temperatures are linear in
+    each cell. Heat flows along by all three temperatures, and evens the slopes out across the section. The sides are
+    insulated but for `HeatSource`, a power per length, and `HeatExchange`; nodes within cells of three and four nodes
+    take it by the temperatures of the ends of their cell, and are held together with these alone.
+    Energy and entropy are those of `ThermoelasticSolid`: kept to round-off, and never falling.
 
     Examples
     --------
@@ -89,11 +89,13 @@ class ThermalBeam(Beam, HeatCarrier):
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), n))
         across = self.slopes(self.points) if callable(self.slopes) else self.slopes
         self.start_slopes = np.array(np.broadcast_to(np.asarray(across, dtype=float)[..., :2], (n, 2)))
-        if not np.all(self.start_temperatures > 0):
-            raise InputError(
-                f"{self.label}: a temperature of {self.start_temperatures.min():g} is not above absolute zero; give "
-                "kelvin"
-            )
+        self._refuse_below_zero(self.label, self.start_temperatures, self.start_slopes)
+
+    def _refuse_below_zero(self, label: str, T: Array, across: Array) -> None:
+        """Mean temperatures (n,) and slopes (n, 2), at the contour of the section."""
+        least = float((T[:, None] + across @ self.sections[0].contour().T).min(initial=np.inf))
+        if not least > 0:
+            raise InputError(f"{label}: a temperature of {least:g} is not above absolute zero; give kelvin")
 
     def _refuse_others(self) -> None:
         heat = self.heat
@@ -139,10 +141,9 @@ class ThermalBeam(Beam, HeatCarrier):
         super().declare(model)
         nodes, heat = self._corners, self.heat
         T, across = self.start_temperatures[nodes], self.start_slopes[nodes]
-        A, moments = self._areas.min(), self._second_moments.min(axis=0)
-        c = heat.stores.c
-        s = np.column_stack([c * A * np.log(T / heat.reference), c * moments * across / heat.reference])
-        extent = np.sqrt(moments / A)
+        A, c = self._areas[0], heat.stores.c
+        s = self._entropies(T, across)
+        extent = self._radii[0]
         scale = c * A * np.concatenate([[1.0], extent])
         n = len(nodes)
         self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=np.tile(scale, n), node=3)
@@ -167,6 +168,18 @@ class ThermalBeam(Beam, HeatCarrier):
     def _second_moments(self) -> Array:
         """Integrals (m, 2) of the squares of the coordinates along d1 and d2."""
         return self.by_cell(lambda s: s.second_moments)
+
+    @cached_property
+    def _radii(self) -> Array:
+        """Radii of gyration (m, 2) along d1 and d2: how far from the axes the points of the sections are."""
+        return np.sqrt(self._second_moments / self._areas[:, None])
+
+    def _entropies(self, T: Array, across: Array) -> Array:
+        """Entropies (n, 3) of mean temperatures (n,) and slopes (n, 2) without strains."""
+        radii, own = self._radii[0], self.heat.stores.c * self._areas[0]
+        by = np.arctanh(radii * across / T[:, None])
+        mean = np.log(T / self.heat.reference) - np.log(np.cosh(by)).sum(axis=1)
+        return np.asarray(own * np.column_stack([mean, radii * by]))
 
     def _unknowns(self, nodes: Ints, first: int) -> Ints:
         return np.asarray(first + 3 * self._place[nodes])
@@ -221,7 +234,7 @@ class ThermalBeam(Beam, HeatCarrier):
         """See ``visviva/point/heat_stores.hpp``: (m, p)."""
         heat, C = self.heat, self.stiffness[cells]
         a, b = np.triu_indices(6)
-        A, moments = self._areas[cells, None], self._second_moments[cells]
+        A = self._areas[cells, None]
         c, k = heat.stores.c, float(np.asarray(heat.conductivity))
         coupling = [heat.expansion * m for m in self._thermal[cells].swapaxes(0, 1)]
         zero = np.full_like(A, heat.reference)
@@ -231,10 +244,7 @@ class ThermalBeam(Beam, HeatCarrier):
                 *coupling,
                 c * A,
                 zero,
-                c * moments / heat.reference,
-                k * A,
-                k * moments,
-                k * A,
+                self._radii[cells],
                 k * A,
             ]
         )
@@ -249,12 +259,11 @@ class ThermalBeam(Beam, HeatCarrier):
                 f"ends of that, nodes {a} and {b}, make it; hold these"
             )
         nodes, now = given.nodes[held], given.values(0.0)[held]
-        if np.any(now <= 0):
-            raise InputError(
-                f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
-            )
+        self._refuse_below_zero(owner.label, now, self.start_slopes[nodes])
         at = 3 * self._place[nodes]
-        self.entropy.values[at] = self.heat.stores.c * self._areas[0] * np.log(now / self.heat.reference)
+        self.entropy.values.reshape(-1, 3)[self._place[nodes]] = self._entropies(
+            now, self.start_slopes[nodes]
+        )
         self.algorithmic.values[at] = now
         model.refresh(self.entropy)
         model.refresh(self.algorithmic)
@@ -315,13 +324,14 @@ class ThermalBeam(Beam, HeatCarrier):
 
     def _at_points(self, x: Array) -> Array:
         """Mean temperature and its slopes (m, q, 3) at the points where heat is balanced."""
-        heat, c, part = self.heat, self.heat.stores.c, self._projection.parts[0]
+        heat, part, radii = self.heat, self._projection.parts[0], self._radii[0]
         s = x[self.entropy.start : self.entropy.start + self.entropy.size].reshape(-1, 3)
         e = np.broadcast_to(self.strains(x), (*part.sizes.shape, 6))
         beside = part.N @ s[part.numbers] - heat.expansion * np.einsum("mik,mqk->mqi", self._thermal, e)
-        mean = heat.reference * np.exp(beside[..., :1] / (c * self._areas[0]))
-        slopes = beside[..., 1:] * heat.reference / (c * self._second_moments[0])
-        return np.concatenate([mean, slopes], axis=2)
+        y = beside / (heat.stores.c * self._areas[0] * np.array([1.0, *radii]))
+        first, second = np.cosh(y[..., 1]), np.cosh(y[..., 2])
+        by = [first * second, np.sinh(y[..., 1]) * second / radii[0], first * np.sinh(y[..., 2]) / radii[1]]
+        return np.asarray(heat.reference * np.exp(y[..., :1]) * np.stack(by, axis=-1))
 
     def _spread(self, values: Array) -> Array:
         """Values (n, j) of all nodes by those of the corners."""
