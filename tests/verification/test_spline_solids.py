@@ -309,10 +309,6 @@ def other(solid: vv.SplineSolid) -> vv.Solid:
             lambda: vv.System([b := beam(2), vv.Fixed(solid=b, nodes=[40])]),
             "to hold 1 of its nodes would hold others beside them",
         ),
-        (
-            lambda: vv.System([b := beam(2), vv.PeriodicFaces(solid=b, pairs=[("x0", "x1")])]),
-            "whose nodes are no unknowns",
-        ),
     ],
 )
 def test_refusals(make: Any, words: str) -> None:
@@ -369,10 +365,6 @@ def test_phases_in_motion_close_one_balance() -> None:
     assert max(kept[name] for name in ("energy", "momentum_x", "momentum_y", "angular_z")) < 1e-10
     assert body.integral(system.x) == pytest.approx(mass, rel=1e-12)
     assert np.all(np.diff(result.ledger["total"]) < 0)
-    with pytest.raises(vv.InputError, match="no periodic sides"):
-        vv.SplineMixtureSolid(
-            mesh=vv.SplineBox(size=(2, 1), counts=(9, 6)), periodic=[("x0", "x1")], **PHASES
-        )
 
 
 def test_phases_at_rest_are_those_of_a_plain_mesh() -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.body.spline_periods import links
+from visviva.mesh.periodic import differences
 
 if TYPE_CHECKING:
     from visviva.body.mesh_body import MeshBody
@@ -60,6 +63,23 @@ class Carriers:
         """Places (k, 3) of these that bring nodes to places (n, 3)."""
         return places
 
+    def links(self, leaders: Ints, pairs: Sequence[tuple[str, str]]) -> Any:
+        """Differences (k, n) of them, a sparse matrix, that say how far periodic sides are apart.
+
+        Parameters
+        ----------
+        leaders : array of int (n_nodes,)
+            Of each node the one whose image it is.
+        pairs : sequence of (str, str)
+            The sides.
+
+        Raises
+        ------
+        InputError
+            If sides do not fit.
+        """
+        return differences(leaders, len(leaders))
+
     def refuse_each_node(self, label: str, cure: str) -> None:
         """Refuse, for what acts on every node by a multiplier, nodes that depend on each other.
 
@@ -103,6 +123,9 @@ class ControlPoints(Carriers):
 
     def places(self, nodes: Ints, places: Array) -> Array:
         return self._space.fitted_on(nodes, places)
+
+    def links(self, leaders: Ints, pairs: Sequence[tuple[str, str]]) -> Any:
+        return links(self._space, pairs)
 
     def refuse_each_node(self, label: str, cure: str) -> None:
         raise InputError(

@@ -94,14 +94,14 @@ class SplineSpace:
         if source.numbers is None:
             alone = [numbering(self.patches[0], directions, level_at_sides)]
             self.numbers = joined(self.patches, alone)
-            self._is_welded = int(self.numbers[0].max()) < int(alone[0].max())
+            self.is_welded = int(self.numbers[0].max()) < int(alone[0].max())
         else:
             self.numbers = source.numbers
-            self._is_welded = True
+            self.is_welded = True
         self.size = 1 + max(int(number.max()) for number in self.numbers)
         self._samples_of_span = max(2, *(max(p.degrees) for p in self.patches))
-        self.grid, self._xi, self._nodes = sampled(self.patches, self._samples_of_span, self._is_welded)
-        if self._is_welded:
+        self.grid, self._xi, self._nodes = sampled(self.patches, self._samples_of_span, self.is_welded)
+        if self.is_welded:
             self._refuse_touching()
 
     def _refuse_touching(self) -> None:
@@ -117,7 +117,7 @@ class SplineSpace:
     @property
     def smoothness(self) -> int:
         """So many derivatives are continuous."""
-        return 0 if self._is_welded else self.patches[0].smoothness
+        return 0 if self.is_welded else self.patches[0].smoothness
 
     @property
     def spacing(self) -> float:

@@ -19,6 +19,7 @@ from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Matrix
 from visviva.mesh.periodic import numbering, refuse_periodic
+from visviva.model.form import Form
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -46,7 +47,8 @@ class PeriodicFaces(Component):
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
     meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
     they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. Temperatures
-    of the body are not paired, and concentrations are where `MixtureSolid` says so, by its `periodic`.
+    of the body are not paired, and concentrations are where `MixtureSolid` says so, by its `periodic`. Splines are
+    continuous across their sides, without their slopes; control points and weights of both have to be the same.
 
     Examples
     --------
@@ -85,17 +87,20 @@ class PeriodicFaces(Component):
             number, _ = numbering(self.solid.grid, [(p[0], p[-1]) for p in self.pairs], self.label)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
-        first = np.unique(number, return_index=True)[1][number]
-        self.leaders = first  # of each node the one whose image it is
-        self._followers = np.flatnonzero(first != np.arange(len(first)))
-        self._leaders = first[self._followers]
+        self.leaders = np.unique(number, return_index=True)[1][
+            number
+        ]  # of each node the one whose image it is
+        try:
+            self._links = self.solid.carriers.links(self.leaders, self.pairs)
+        except InputError as error:
+            raise InputError(f"{self.label}: {self.solid.label}: {error}") from None
         given = np.asarray(self.strain, dtype=float)
         self._gradient = np.diag(given) if given.ndim == 1 else given
         self._times: Any = self.times
 
     @property
     def outside_axes(self) -> Axes:
-        apart = self.solid.points[self._followers] - self.solid.points[self._leaders]
+        apart = self._links @ self.solid.carriers.points
         return "", by_forces(axes_along([*apart, *apart @ self._gradient.T]))[1]  # pairs pull past each other
 
     def announce(self, model: Model) -> None:
@@ -107,57 +112,59 @@ class PeriodicFaces(Component):
             refuse_periodic(facing.by.label, self.solid, self.pairs, self.solid.faces(facing.faces))
 
     def contribute(self, model: Model) -> None:
-        d, X = self.solid.dimension, self.solid.points
-        more = (X[self._followers] - X[self._leaders]) @ self._gradient.T
-        free = ~self._both_held(model, more)
+        d, rows = self.solid.dimension, self._links
+        plain = rows @ self.solid.carriers.points
+        more = plain @ self._gradient.T
+        free = ~self._all_held(model, more)
         self.multipliers = model.multipliers(self, "traction", int(free.sum()))
-        first = 0
-        for a, b, wider, own in zip(self._leaders, self._followers, more.tolist(), free, strict=True):
-            apart = self.solid.combination([b, a], [1.0, -1.0]).components[:d]
-            forms = [form for form, is_free in zip(apart, own, strict=True) if is_free]
+        first, unknowns, ends = 0, self.solid.carriers.unknowns(rows.indices).tolist(), rows.indptr.tolist()
+        for k, own in enumerate(free):
+            part = slice(ends[k], ends[k + 1])
+            terms = list(zip(unknowns[part], rows.data[part].tolist(), strict=True))
+            forms = [Form(tuple((u + c, w) for u, w in terms)) for c in np.flatnonzero(own).tolist()]
             if not forms:
                 continue
-            plain, wider = (X[b] - X[a])[:d][own].tolist(), np.array(wider)[:d][own].tolist()
+            apart, wider = plain[k, :d][own].tolist(), more[k, :d][own].tolist()
             if self._times is None:
-                held = [form - (p + w) for form, p, w in zip(forms, plain, wider, strict=True)]
+                held = [form - (p + w) for form, p, w in zip(forms, apart, wider, strict=True)]
                 model.constrain(self, self.multipliers, held, first=first)
             else:
-                moving = [form - p for form, p in zip(forms, plain, strict=True)]
+                moving = [form - p for form, p in zip(forms, apart, strict=True)]
                 model.constrain(
                     self, self.multipliers, moving, first=first, targets=[self._target(w) for w in wider]
                 )
             first += len(forms)
 
-    def _both_held(self, model: Model, more: Array) -> NDArray[np.bool_]:
-        """Components (n, d) of pairs whose both nodes are held, at their distance.
+    def _all_held(self, model: Model, more: Array) -> NDArray[np.bool_]:
+        """Components (n, d) of what is all held, at its distance.
 
         Raises
         ------
         InputError
             If it may change.
         """
-        motion, d = self.solid.motion, self.solid.dimension
-        a, b = (
-            self.solid.node_unknowns(nodes)[:, None] - motion.start + np.arange(d)
-            for nodes in (self._leaders, self._followers)
+        motion, rows = self.solid.motion, self._links
+        at = (
+            self.solid.carriers.unknowns(rows.indices)[:, None]
+            - motion.start
+            + np.arange(self.solid.dimension)
         )
-        both: NDArray[np.bool_] = motion.fixed[a] & motion.fixed[b]
-        movers = np.full(motion.size, None)
-        for p in model.driving.prescribed:
+        held: NDArray[np.bool_] = np.logical_and.reduceat(motion.fixed[at], rows.indptr[:-1])
+        movers = np.full(motion.size, -1)
+        for k, p in enumerate(model.driving.prescribed):
             inside = p.unknowns[(p.unknowns >= motion.start) & (p.unknowns < motion.start + motion.size)]
-            movers[inside - motion.start] = p.component
-        pairs = zip(movers[a].flat, movers[b].flat, strict=True)
-        alike = [m is n for m, n in pairs]  # a motion that is not refuses itself
-        still = np.abs(more[:, :d]) <= 1e-12 * np.abs(self.solid.points).max()
-        lost = both & ~(np.reshape(alike, both.shape) & still)
+            movers[inside - motion.start] = k
+        low, high = (which.reduceat(movers[at], rows.indptr[:-1]) for which in (np.minimum, np.maximum))
+        still = np.abs(more[:, : self.solid.dimension]) <= 1e-12 * np.abs(self.solid.points).max()
+        lost = held & ~((low == high) & still)  # a motion that is not alike refuses itself
         if lost.any():
             k = int(np.argmax(lost.any(axis=1)))
+            a, b = self.solid.carriers.points[rows.indices[rows.indptr[[k, k + 1]] - [0, 1]]].tolist()
             raise InputError(
-                f"{self.label}: supports hold both the node at {self.solid.points[self._leaders[k]].tolist()} and its "
-                f"image at {self.solid.points[self._followers[k]].tolist()}, which then need not move apart as "
-                "strain and times say: hold those of one side alone, as images follow"
+                f"{self.label}: supports hold both the node at {a} and its image at {b}, which then need not move "
+                "apart as strain and times say: hold those of one side alone, as images follow"
             )
-        return both
+        return held
 
     def _target(self, size: float) -> Any:
         """``size g(t)``; None where that is nothing."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,6 +111,20 @@ def numbering(mesh: Mesh, pairs: Sequence[tuple[str, str]], label: str) -> tuple
     _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(first))  # in the order of the nodes
     return rank[inverse].astype(np.int64), int(count)
+
+
+def differences(leaders: Ints, size: int) -> Any:
+    """Rows (k, size) of the ones that follow others, less the `leaders` (size,) of theirs, as a sparse matrix.
+
+    Examples
+    --------
+    >>> differences(np.array([0, 1, 0]), 3).toarray().tolist()
+    [[-1.0, 0.0, 1.0]]
+    """
+    import scipy.sparse as sp
+
+    followers, unit = np.flatnonzero(leaders != np.arange(size)), sp.eye_array(size, format="csr")
+    return sp.csr_array(unit[followers] - unit[leaders[followers]])
 
 
 class Periods:

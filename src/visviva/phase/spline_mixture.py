@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
 from visviva.body.on_splines import OnSplines
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
@@ -23,7 +22,7 @@ Array = NDArray[np.float64]
 class SplineMixtureSolid(OnSplines, MixtureSolid):
     """A solid whose phases separate by diffusion, on splines: positions, concentration and potential are as smooth.
 
-    Takes the arguments of `MixtureSolid` but `periodic`, and
+    Takes the arguments of `MixtureSolid`, periodic sides being those of a `SplineBox`, and
 
     Parameters
     ----------
@@ -52,19 +51,14 @@ class SplineMixtureSolid(OnSplines, MixtureSolid):
 
     mesh: SplineSource  # type: ignore[assignment]
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.periodic:
-            raise InputError(f"{self.label}: solids on splines have no periodic sides; leave out periodic")
-
     def _given_mesh(self) -> Any:
         return self.mesh
 
     def _parts(self) -> Iterator[tuple[str, StressedCells, StressedCells, Array | None]]:
         (cell,), d = self.grid.cells, self.dimension
-        for t in self._tables:
+        for t, mixture in zip(self._tables, self.space.cells(), strict=True):
             gradients = np.ascontiguousarray(t.gradients[..., :d])
-            mixed = lambda x, of, t=t: t.at(self.coefficients(x))  # noqa: E731
+            mixed = lambda x, of, t=mixture: t.at(self.coefficients(x))  # noqa: E731
             at = self._stressed_cells(t.numbers, gradients, t.size, t.N, mixed)
             yield cell, at, at, self._packed_masses(t) if self.density > 0 else None
 
