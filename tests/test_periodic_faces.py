@@ -241,3 +241,125 @@ def test_conditions_of_mixtures_on_periodic_faces_are_refused(kind: str) -> None
     vv.Wetting(body=body, faces="y0", angle=60.0)
     with pytest.raises(vv.InputError, match=r"concentration differs by 0\.8 between nodes of periodic faces"):
         vv.PrescribedConcentration(body=body, nodes="y0", value=lambda t, X: 0.1 * X[:, 0])
+
+
+def cracked(seed: float) -> tuple[vv.FracturingSolid, vv.System]:
+    """A cell with a crack at a place, to be stretched across it."""
+
+    def damage(X: Any) -> Any:
+        along = np.abs(X[:, 0] - seed)
+        return np.maximum(1 - np.hypot(np.minimum(along, 1 - along), 2 * (X[:, 1] - 0.5)) / 0.3, 0) ** 2
+
+    body = vv.FracturingSolid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(8, 8)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.2),
+        toughness=1e-6,
+        length=0.25,
+        damage=damage,
+    )
+    sides = vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:2], strain=(0, 1.0, 0), times="1e-3*t")
+    return body, vv.System([body, sides, vv.Fixed(solid=body, nodes=[0])])
+
+
+def test_cracks_go_on_beyond_the_sides() -> None:
+    """A cell from one crack to the next is as good as one with the crack in its middle; damage is kept where it was."""
+    damages, energies = [], []
+    for seed in (0.5, 0.125):
+        body, system = cracked(seed)
+        opened = vv.quasi_static(system, until=1.5, step=0.5, scheme=vv.AlternateMinimization(unstable=True))
+        energies.append(opened.ledger["total"])
+        damages.append(np.array([body.damages(x)[np.lexsort(body.points.T)] for x in opened.states]))
+    np.testing.assert_allclose(energies[1], energies[0], rtol=1e-9)
+    middle, moved = (d.reshape(-1, 9, 9) for d in damages)
+    np.testing.assert_allclose(moved[..., 0], moved[..., -1], rtol=0, atol=0)
+    np.testing.assert_allclose(moved[..., :-1], np.roll(middle[..., :-1], -3, axis=2), atol=1e-6)
+    assert middle[-1].sum() > 1.2 * middle[0].sum() > 0
+    assert np.all(np.diff(middle, axis=0) >= -1e-12)
+
+
+@pytest.mark.parametrize("made", [vv.ThermoelasticSolid, vv.ThermalFracturingSolid])
+def test_heat_goes_on_beyond_the_sides(made: Any) -> None:
+    """A wave with its zeros at the sides fades as ``exp(-k (2 pi / L)^2 t / c)``: through them the most heat flows."""
+    n, more = 32, {"toughness": 1e6, "length": 0.1} if made is vv.ThermalFracturingSolid else {}
+    body = made(
+        mesh=vv.BoxMesh(size=(1, 1 / n, 1 / n), counts=(n, 1, 1)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+        heat=vv.Heat(conductivity=0.05, capacity=1.0, expansion=0.0, reference=300.0),
+        temperature=lambda X: 300 + 30 * np.sin(2 * np.pi * X[:, 0]),
+        **more,
+    )
+    sides = vv.PeriodicFaces(solid=body, pairs=ALL_SIDES)
+    system = vv.System([body, sides, vv.Fixed(solid=body, nodes=[0])])
+    result = vv.simulate(system, until=0.5, step=0.05)
+    wave = np.exp(-0.05 * (2 * np.pi) ** 2 * 0.5) * np.sin(2 * np.pi * body.points[:, 0])
+    np.testing.assert_allclose(body.temperatures(system.x), 300 + 30 * wave, rtol=0, atol=0.1)
+    energies = result.ledger["total"]
+    assert np.ptp(energies) < 1e-10 * np.abs(energies).max()
+
+
+@pytest.mark.parametrize("held", ["x0", "both", "all"])
+def test_temperatures_of_images_are_held_together(held: str) -> None:
+    """Both sides of a cell are one place; between it and itself the heat of a source flows as a parabola."""
+    n = 16
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1 / n, 1 / n), counts=(n, 1, 1)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+        heat=vv.Heat(conductivity=2.0, capacity=1.0, expansion=0.0, reference=300.0),
+    )
+    sides = vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])
+    nodes = np.concatenate([body.nodes("x0"), body.nodes("x1")]) if held == "both" else held
+    value: Any = 300.0 if held != "all" else lambda t, X: 300 + X[:, 0]
+    others = [sides, vv.Fixed(solid=body, nodes="x0"), vv.HeatSource(body=body, power=160.0)]
+    parts = [body, *others, vv.PrescribedTemperature(body=body, nodes=nodes, value=value)]
+    if held == "all":
+        with pytest.raises(
+            vv.InputError, match="its temperature differs by 1 between nodes of periodic faces that are one"
+        ):
+            vv.System(parts)
+        return
+    system = vv.System(parts)
+    vv.quasi_static(system, until=1.0, step=1.0)
+    x = body.points[:, 0]
+    np.testing.assert_allclose(body.temperatures(system.x), 300 + 40 * x * (1 - x), rtol=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (
+            {"damage": lambda X: X[:, 0]},
+            "FracturingSolid 'cell': at t = 0 its damage differs by 1 between nodes",
+        ),
+        (
+            {"temperature": lambda X: 300 + X[:, 0]},
+            "'cell': at t = 0 its temperature differs by 1 between nodes",
+        ),
+        (
+            {"concentration": 0.5},
+            r"joins the positions of \('x0', 'x1'\), beyond which its concentrations do not go on",
+        ),
+    ],
+)
+def test_what_images_share_is_the_same_at_the_start(given: Any, words: str) -> None:
+    common: Any = {"material": vv.SaintVenantKirchhoff(young=1.0, poisson=0.2), "name": "cell", **given}
+    mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+    if "damage" in given:
+        body: Any = vv.FracturingSolid(mesh=mesh, toughness=1.0, length=1.0, **common)
+    elif "temperature" in given:
+        body = vv.ThermoelasticSolid(mesh=mesh, heat=vv.Heat(conductivity=1.0, capacity=1.0), **common)
+    else:
+        energy = vv.PolynomialEnergy(coefficients=[0.0, 0.0, 1.0])
+        body = vv.MixtureSolid(mesh=mesh, free_energy=energy, gradient_energy=1.0, **common)
+    with pytest.raises(vv.InputError, match=words):
+        vv.System([body, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])])
+
+
+def test_heat_through_paired_faces_is_refused() -> None:
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.2),
+        heat=vv.Heat(conductivity=1.0, capacity=1.0),
+    )
+    flux = vv.HeatFlux(body=body, faces="x1", flux=1.0)
+    with pytest.raises(vv.InputError, match=r"HeatFlux.*is one of the periodic faces 'x1'"):
+        vv.System([body, flux, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[:1])])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 import visviva as vv
 from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
@@ -99,6 +101,15 @@ def flying(plane: Any = None, **options: Any) -> Components:
     return warm(plane, temperature=lambda X: 300 + 10 * X[:, 0], velocity=lambda X: X * X, **options)
 
 
+def repeating() -> Components:
+    """Damages, entropies and temperatures of two sides are one, and the crack is at them."""
+    (body,) = warm("strain", material=GREEN, damage=lambda X: 0.4 * (np.abs(X[:, 0] - 0.7) > 0.4))
+    assert isinstance(body, vv.ThermalFracturingSolid)
+    sides = vv.PeriodicFaces(solid=body, pairs=[("x0", "x1")], strain=(0.1, 0, 0), times="sin(4*t)")
+    hot = vv.PrescribedTemperature(body=body, nodes="x0", value="300 - 200*t")
+    return [body, sides, hot]
+
+
 def warmed() -> Components:
     """Without functions of Python."""
     (body,) = warm("strain", material=GREEN, model="AT1", split="spectral")
@@ -117,6 +128,7 @@ FRACTURE = [
     ),
     Entry("cracking ring, warm", lambda: flying("axisymmetric", material=GREEN), ENERGY, steps=20),
     Entry("cracking plate, warmed", warmed, NOTHING, steps=20),
+    Entry("cracking cell that repeats, warmed", repeating, NOTHING, steps=20),
     Entry("cracking brick, cooled", cooled, MOMENTA, steps=20),
     Entry("cracking plate, cooled", lambda: cooled("strain"), PLANE_MOMENTA, steps=20),
     Entry("cracking ring, cooled", lambda: cooled("axisymmetric"), NOTHING, steps=20),

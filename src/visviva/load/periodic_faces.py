@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import LISTED
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
 from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
@@ -18,7 +18,7 @@ from visviva.component.announcements import Facing
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Matrix
-from visviva.mesh.periodic import numbering, refuse_periodic
+from visviva.mesh.periodic import numbering, refuse_apart, refuse_periodic
 from visviva.model.form import Form
 
 if TYPE_CHECKING:
@@ -46,9 +46,10 @@ class PeriodicFaces(Component):
     What strains the cell does the work of "drive" in the ledger; where `times` is left out the strain is there from
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
     meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
-    they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. Temperatures
-    of the body are not paired, and concentrations are where `MixtureSolid` says so, by its `periodic`. Splines are
-    continuous across their sides, without their slopes; control points and weights of both have to be the same.
+    they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. What else
+    nodes have, damages, entropies and temperatures, images share: it goes on beyond the sides. Concentrations of
+    `MixtureSolid` do by its `periodic`, which has to name the same pairs. Splines are continuous across their sides,
+    without their slopes; control points and weights of both have to be the same.
 
     Examples
     --------
@@ -171,3 +172,25 @@ class PeriodicFaces(Component):
         g = self._times
         assert g is not None
         return (lambda t: size * g(t)) if size else 0.0
+
+
+def shared_numbers(model: Model, solid: MeshBody) -> NDArray[np.int64]:
+    """Numbers (n,) of the nodes of a body in fields beside positions: those that `PeriodicFaces` join have one."""
+    pairs = [(p[0], p[-1]) for sides in model.announced(solid, PeriodicFaces) for p in sides.pairs]
+    return numbering(solid.grid, pairs, solid.label)[0]
+
+
+def shared_values(solid: MeshBody, what: str, number: NDArray[np.int64], values: Array) -> Array:
+    """Values at the start of each of the `number` (n,), of those of nodes (n,).
+
+    Raises
+    ------
+    InputError
+        If nodes of one number differ.
+    """
+    try:
+        refuse_apart(solid.label, what, number, values, 0.0)
+    except RunError as error:
+        raise InputError(str(error)) from None
+    first: Array = values[np.unique(number, return_index=True)[1]]
+    return first

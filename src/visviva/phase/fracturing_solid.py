@@ -18,6 +18,7 @@ from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberOrFunction
+from visviva.load.periodic_faces import shared_numbers, shared_values
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role
@@ -212,9 +213,12 @@ class FracturingSolid(Solid):
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Equations) -> None:
         super().declare(model)
-        self.damaged = model.field(self, "damage", self.start_damages, role=Role.STATE, scale=1.0)
+        self._number = shared_numbers(model, self)
+        start = shared_values(self, "damage", self._number, self.start_damages)
+        self.damaged = model.field(self, "damage", start, role=Role.STATE, scale=1.0)
         held = self.irreversibility == "active set"
-        model.grow(self.damaged, self._volumes_of_nodes() / (2 * self.length), held)
+        sizes = np.bincount(self._number, self._volumes_of_nodes()) / (2 * self.length)
+        model.grow(self.damaged, sizes, held)
         if self.free_strain is not None:
             self._stretched = model.field(self, "free strain", self._free_strains(0.0), role=Role.STATE)
 
@@ -298,7 +302,7 @@ class FracturingSolid(Solid):
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
         groups = [
             Group(self.node_unknowns(nodes), weights, mass, True),
-            Group(self.damaged.start + nodes, scalar),
+            Group(self.damaged.start + self._number[nodes], scalar),
         ]
         self._add_cells(model, kind, groups, at, scalar)
         self._evaluations.append(at)
@@ -325,7 +329,7 @@ class FracturingSolid(Solid):
 
     def damages(self, x: Array) -> Array:
         """Damages (n,) of the nodes at the unknowns `x` of the system: 0 sound, 1 cracked."""
-        return np.asarray(x[self.damaged.start : self.damaged.start + self.damaged.size])
+        return np.asarray(x[self.damaged.start + self._number])
 
     def crack_energy(self, x: Array) -> float:
         """Energy of its cracks; divided by the toughness their area, in the plane times the thickness."""

@@ -22,7 +22,7 @@ from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberOrFunction
 from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
-from visviva.mesh.periodic import partners
+from visviva.mesh.periodic import numbering, partners
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -61,7 +61,7 @@ class MixtureSolid(Solid):
         See `CahnHilliard`.
     periodic : sequence of (str, str)
         Pairs of sets of faces, of equal meshes, that are taken for the same. How far apart their positions stay, with
-        what mean strain, `PeriodicFaces` of the same pairs says, which is needed besides.
+        what mean strain, `PeriodicFaces` of the same pairs says, which is needed besides, as it needs these pairs.
     eigenstrain : float, or (float, float, float)
         Strain per concentration that it alone would leave (Vegard): the same in all directions, or along the axes.
     reference : float
@@ -171,6 +171,15 @@ class MixtureSolid(Solid):
                     f"{self.label}: periodic has {(pair[0], pair[-1])!r}, whose concentrations are one, while "
                     "positions there move freely: add vv.PeriodicFaces(solid=..., pairs=...) of this pair, whose "
                     "strain is that of the cell, or leave the pair out"
+                )
+        together = numbering(self.grid, [(p[0], p[-1]) for p in self.periodic], self.label)[0]
+        for s in sides:
+            for a, b in (
+                p for p in s.pairs if np.ptp(together[partners(self.grid, p[0], p[-1], "")], axis=1).any()
+            ):
+                raise InputError(
+                    f"{self.label}: {s.label} joins the positions of {(a, b)!r}, beyond which its concentrations do "
+                    f"not go on: add the pair to its periodic, periodic=[({a!r}, {b!r})]"
                 )
 
     # --- what it contributes -------------------------------------------------------------------------------

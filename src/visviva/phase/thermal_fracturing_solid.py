@@ -141,23 +141,19 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
         heat = self._own_heat.parameters(self.body_material)[: -_core.MATERIAL_PARAMETERS]
         heat[3:5] = self._own_heat.expansion, self.cracked_conductivity  # see point/heated_fracture.hpp
         for field in (self.entropy, self.algorithmic):
-            groups.append(Group(field.start + at.nodes, scalar))
+            groups.append(Group(field.start + self._number[at.nodes], scalar))
         parameters = [*heat, *self.law.parameters()]
         self._conducts.append(add_points(model, self, CONDUCTING[kind], groups, at.volume, parameters))
 
     def _unstrained(self, x: Array, of: Ints, N: Array) -> Array:
         """Temperatures (m, q) that the entropies of nodes (m, k) have without strain."""
-        return self._own_heat.stores.temperature(x[self.entropy.start + of] @ N.T)
+        return self._own_heat.stores.temperature(self._entropies(x)[of] @ N.T)
 
     def _stretches(self, x: Array, of: Ints, N: Array) -> Array:
         heat = self._own_heat
         return 1 + heat.expansion * (self._unstrained(x, of, N) - heat.reference)
 
     # --- what it shows -------------------------------------------------------------------------------------
-    def temperatures(self, x: Array) -> Array:
-        """Temperatures (n,) of the nodes at the unknowns `x` of the system, projected from the quadrature points."""
-        return self._projection([self._temperatures_at(x, part) for part in self._evaluations])
-
     def _temperatures_at(self, x: Array, part: StressedCells) -> Array:
         heat, (_, C) = self._own_heat, part.strains(x)
         S, W = part.respond(x, part.nodes, C)

@@ -13,6 +13,7 @@ from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import TimeFunction
 from visviva.body.mesh_points import Points
+from visviva.component.announcements import Facing
 from visviva.component.component import Component, settings
 from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE
@@ -238,6 +239,9 @@ class ThroughFaces(ThroughPoints):
             raise InputError(f"{self.label}: {error}") from None
 
         refuse_periodic(self.label, self.body, self.body.periodic, self._faces)
+
+    def announce(self, model: Model) -> None:
+        model.announce(self.body, Facing(self, self._faces))
 
     def points(self) -> Sequence[Points]:
         return list(self.body.heated_points(self._faces))

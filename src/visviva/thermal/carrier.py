@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visviva.base.errors import InputError, RunError
 from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.touching import Skin
 from visviva.component.component import Component
@@ -17,6 +18,7 @@ from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE, Axes
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.periodic import refuse_apart
 from visviva.model.field import Field
 from visviva.model.term import Stencils, Term
 from visviva.thermal.celsius import taken_for_kelvin
@@ -51,6 +53,24 @@ class GivenTemperatures:
     values: Callable[[float], Array]
     rates: Callable[[float, float], Array]
     kinks: Sequence[float]
+
+    def shared(self, label: str, number: Ints) -> GivenTemperatures:
+        """Of numbers (k,) that nodes share, in place of nodes, by the `number` (n,) of each; `label` is whose."""
+        numbers, once, inverse = np.unique(number[self.nodes], return_index=True, return_inverse=True)
+
+        def values(time: float) -> Array:
+            found = self.values(time)
+            refuse_apart(label, "temperature", inverse, found, time)
+            return found[once]
+
+        def rates(time: float, step: float) -> Array:
+            return self.rates(time, step)[once]
+
+        try:
+            values(0.0)
+        except RunError as error:
+            raise InputError(str(error)) from error
+        return GivenTemperatures(numbers, values, rates, self.kinks)
 
 
 @dataclass(frozen=True, eq=False)

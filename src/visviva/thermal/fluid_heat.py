@@ -17,7 +17,6 @@ from visviva.flow.conditions import Condition
 from visviva.flow.fluid import Fluid, Pairs
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
-from visviva.mesh.periodic import refuse_apart
 from visviva.model.field import Role
 from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
@@ -160,19 +159,9 @@ class FluidHeat(HeatCarrier):
         return np.hstack([self.temperature_unknowns(nodes), first.reshape(len(nodes), -1)])
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
-        shared = self.fluid.number[given.nodes]
-        numbers, once = np.unique(shared, return_index=True)
-
-        def values(time: float) -> Array:
-            found = given.values(time)
-            refuse_apart(owner.label, "temperature", shared, found, time)
-            return found[once]
-
-        def rates(time: float, step: float) -> Array:
-            return given.rates(time, step)[once]
-
+        shared = given.shared(owner.label, self.fluid.number)
         try:
-            model.prescribe(owner, self.heat, numbers, values, rates, given.kinks)
+            model.prescribe(owner, self.heat, shared.nodes, shared.values, shared.rates, shared.kinks)
         except RunError as error:
             raise InputError(str(error)) from error
 

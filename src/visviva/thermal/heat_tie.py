@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.component.announcements import Conducting
+from visviva.component.announcements import Conducting, Facing
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Number
@@ -121,8 +121,9 @@ class HeatTie(Component):
         self._rows = with_neighbours(self._pair.standard(), self._pair.first.facets, self._tied, share > 0)
 
     def announce(self, model: Model) -> None:
-        model.announce(self.first, self)
-        model.announce(self.second, self)
+        for body, faces in ((self.first, self.first_faces), (self.second, self.second_faces)):
+            model.announce(body, self)
+            model.announce(body, Facing(self, faces))
         model.announce(self.first, Conducting((self.first, self.second)))
 
     def declare(self, model: Model) -> None:

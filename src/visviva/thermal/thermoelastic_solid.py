@@ -20,6 +20,7 @@ from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberOrFunction
+from visviva.load.periodic_faces import shared_numbers, shared_values
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule
@@ -178,14 +179,16 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         super().declare(model)
-        T = self.start_temperatures
+        self._number = shared_numbers(model, self)
+        T = shared_values(self, "temperature", self._number, self.start_temperatures)
         s = self.heat.start_entropy(T)
         scale = float(np.abs(np.diff(self.heat.start_entropy(np.array([1.0, 2.0]) * self.heat.reference)))[0])
         self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale)
         self.algorithmic = model.field(
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
-        self.entropy.beside = self.algorithmic.beside = self.motion
+        if len(T) == self.grid.n_nodes:
+            self.entropy.beside = self.algorithmic.beside = self.motion
         self._is_held = False
 
     def _declare_pressures(self, model: Model, own: Ints) -> None:
@@ -221,8 +224,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             of_vectors = np.concatenate([gradients, centre], axis=3)
         groups = [
             Group(self._vectors(nodes, first), of_vectors, mass, True),
-            Group(self.entropy.start + nodes, scalar),
-            Group(self.algorithmic.start + nodes, scalar),
+            Group(self.entropy.start + self._number[nodes], scalar),
+            Group(self.algorithmic.start + self._number[nodes], scalar),
         ]
         if self.formulation == "mixed":
             shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)[..., None]
@@ -243,7 +246,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         vectors = self._vectors(nodes, first)
 
         def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
-            _, S, e = self._state(x[self.entropy.start + of] @ N.T, C)
+            _, S, e = self._state(self._entropies(x)[of] @ N.T, C)
             return S, e
 
         def deforming(x: Array, some: slice) -> Array:
@@ -289,20 +292,21 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     @property
     def _content(self) -> Array:
-        """Integrals (n,) of the shape functions: what the entropies of nodes weigh."""
-        total = np.zeros(self.grid.n_nodes)
+        """Integrals (k,) of the shape functions: what entropies weigh."""
+        total = np.zeros(self.entropy.size)
         for part in self._evaluations:
-            np.add.at(total, part.nodes, part.volume @ part.N)
+            np.add.at(total, self._number[part.nodes], part.volume @ part.N)
         return total
 
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
-        return np.asarray(self.algorithmic.start + nodes, dtype=np.int32)
+        return np.asarray(self.algorithmic.start + self._number[nodes], dtype=np.int32)
 
     def balance_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
-        return np.asarray(self.entropy.start + nodes, dtype=np.int32)
+        return np.asarray(self.entropy.start + self._number[nodes], dtype=np.int32)
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
-        nodes, values = given.nodes, given.values
+        shared = given.shared(owner.label, self._number)
+        nodes, values = shared.nodes, shared.values
         now, self._is_held = values(0.0), True
         if np.any(now <= 0):
             raise InputError(
@@ -315,7 +319,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         supply = model.multipliers(owner, "supply", len(nodes), instantaneous=False)
         of_nodes = [self.entropy.start + nodes, self.algorithmic.start + nodes, np.asarray(supply.unknowns)]
         table = np.asarray(np.stack(of_nodes, axis=1), dtype=np.int32)
-        model.term(owner, HeldStep(table, values, lambda x: self.temperatures(x)[nodes]))
+        model.term(owner, HeldStep(table, values, lambda x: self._shared_temperatures(x)[nodes]))
 
     def start(self, state: State, scheme: Scheme) -> None:
         """Begin statics with one temperature, where none is held.
@@ -327,13 +331,13 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         flows = any(np.any(row) for row in scheme.transport(1.0))
         if flows or self._is_held or not state.is_given or not np.ptp(self.start_temperatures):
             return
-        mean = np.full(self.grid.n_nodes, self.start_temperatures.mean())
+        mean = np.full(self.entropy.size, self.start_temperatures.mean())
         state.x[self.algorithmic.unknowns] = mean
         state.x[self.entropy.unknowns] = self.heat.start_entropy(mean)
         state.core.invalidate()
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:
-        unknowns = np.hstack([self.entropy.start + points.nodes, self.algorithmic.start + points.nodes])
+        unknowns = np.hstack([self.balance_unknowns(points.nodes), self.temperature_unknowns(points.nodes)])
         model.term(owner, EntropyInput(kind, np.asarray(unknowns, dtype=np.int32), points, law))
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
@@ -345,21 +349,27 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     @cached_property
     def _projection(self) -> Projection:
-        return Projection(
-            self.grid.n_nodes, [Projected(part.nodes, part.N, part.volume) for part in self._evaluations]
-        )
+        parts = [Projected(self._number[part.nodes], part.N, part.volume) for part in self._evaluations]
+        return Projection(self.entropy.size, parts)
 
     def temperatures(self, x: Array) -> Array:
         """Temperatures (n,) of the nodes at the unknowns `x` of the system.
 
         They are the projection of those of strain and entropy at the quadrature points, as the ones that conduct are.
         """
-        return self._projection(
-            [
-                self._state(x[self.entropy.start + part.nodes] @ part.N.T, part.strains(x)[1])[0]
-                for part in self._evaluations
-            ]
-        )
+        return self._shared_temperatures(x)[self._number]
+
+    def _shared_temperatures(self, x: Array) -> Array:
+        """Temperatures (k,) of numbers that nodes share."""
+        return self._projection([self._temperatures_at(x, part) for part in self._evaluations])
+
+    def _temperatures_at(self, x: Array, part: StressedCells) -> Array:
+        """Temperatures (m, q) at quadrature points."""
+        return self._state(self._entropies(x)[part.nodes] @ part.N.T, part.strains(x)[1])[0]
+
+    def _entropies(self, x: Array) -> Array:
+        """Entropies (n,) per volume of the nodes at the unknowns `x` of the system."""
+        return np.asarray(x[self.entropy.start + self._number])
 
     def total_entropy(self, x: Array) -> float:
         """Of the whole body at the unknowns `x` of the system."""
@@ -380,7 +390,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     def _trouble(self, x: Array) -> str:
         if below := self.invalid(x):
             return below
-        T = x[self.algorithmic.start : self.algorithmic.start + self.algorithmic.size]
+        T = x[self.algorithmic.start + self._number]
         if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
             return f"{self.label}: {beyond}"
         return super().trouble(x)

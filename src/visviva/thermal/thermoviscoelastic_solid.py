@@ -80,8 +80,8 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
         g, N = self._geometry(cell, nodes, rule), CELLS[cell].N(rule.points)[:, :, None]
         groups = [
             Group(self._vectors(nodes, first), g.gradients, None, True),
-            Group(self.algorithmic.start + nodes, N),
-            Group(self.entropy.start + nodes, N),
+            Group(self.algorithmic.start + self._number[nodes], N),
+            Group(self.entropy.start + self._number[nodes], N),
         ]
         for constants in self._constants:
             branch = add_points(model, self, PhysicsKind.HEATED_BRANCH, groups, g.volume, constants)
