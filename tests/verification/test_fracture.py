@@ -251,3 +251,21 @@ def test_a_volumetric_split_takes_what_is_a_shape_and_a_volume(name: str) -> Non
         return
     squeezed = np.array([[0.8, 0.8, 0.8, 0.0, 0.0, 0.0]])
     assert law.left(squeezed)[0] == pytest.approx(material.respond(squeezed)[0], rel=1e-12)
+
+
+def test_steps_of_what_cracks_without_mass_grow() -> None:
+    """As under a scheme whose rates do not alternate: a bar that is pulled to and fro."""
+    steps = []
+    for scheme in (vv.BDF2(), vv.EnergyMomentum()):
+        body = vv.FracturingSolid(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4)),
+            material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.2),
+            toughness=1e-3,
+            length=0.4,
+        )
+        pull = vv.Prescribed(solid=body, nodes="y1", motion=(None, "1e-2*sin(t)", None))
+        system = vv.System([body, vv.Fixed(solid=body, nodes="y0"), pull])
+        rule = vv.Adaptive(tolerance=1e-4, max_step=0.5)
+        result = vv.simulate(system, until=3.0, step=0.05, scheme=scheme, adaptive=rule)
+        steps.append(len(result.times) - 1)
+    assert steps[1] < 1.5 * steps[0]

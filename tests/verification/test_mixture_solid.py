@@ -193,3 +193,43 @@ def test_what_is_refused_of_the_mixture_names_the_solid() -> None:
     for name, label in (("gel", "MixtureSolid 'gel': "), (None, "MixtureSolid: ")):
         with pytest.raises(vv.InputError, match=f"^{label}an interface is"):
             solid(mesh, gradient_energy=1e-6, name=name)
+
+
+def resting(**options: Any) -> tuple[vv.MixtureSolid, vv.System]:
+    """A quarter of a round particle with misfit, without mass, that comes to rest."""
+    body = solid(
+        vv.RectangleMesh(size=(6, 6), counts=(8, 8)),
+        free_energy=vv.DoubleWell(barrier=4.0),
+        mobility=1.0,
+        concentration=lambda X: 0.5 + 0.45 * np.tanh(3 - np.hypot(X[:, 0], X[:, 1])),
+        eigenstrain=0.05,
+        material=vv.SaintVenantKirchhoff(young=50.0, poisson=0.3),
+        **options,
+    )
+    held = [vv.Prescribed(solid=body, nodes="x0", motion=(0, None, None))]
+    held.append(vv.Prescribed(solid=body, nodes="y0", motion=(None, 0, None)))
+    return body, vv.System([body, *held])
+
+
+def test_steps_of_what_has_no_mass_grow_as_it_comes_to_rest() -> None:
+    """As those of a scheme whose rates do not alternate; of positions they did for ever, and steps never grew."""
+    steps = []
+    for scheme in (vv.BDF2(), vv.EnergyMomentum()):
+        rule = vv.Adaptive(tolerance=1e-3, max_step=5.0)
+        result = vv.simulate(resting()[1], until=20.0, step=0.1, scheme=scheme, adaptive=rule)
+        steps.append(len(result.times) - 1)
+    assert steps[1] < 1.3 * steps[0]
+
+
+def test_velocities_without_mass() -> None:
+    """A wave grows as ``exp(R t)``, and so do displacements: their rates are R of them in the middle of each step."""
+    k, eta, E, nu = 0.35, 0.06, 20.0, 0.3
+    mesh = vv.RectangleMesh(size=(np.pi / k, 1.0), counts=(8, 1), cell="quad9")
+    body = solid(mesh, eigenstrain=eta, concentration=lambda X: 0.5 + 1e-5 * np.cos(k * X[:, 0]))
+    across = vv.Prescribed(solid=body, nodes="all", motion=(None, 0.0, None))
+    held = [vv.Prescribed(solid=body, nodes=side, motion=(0.0, None, None)) for side in ("x0", "x1")]
+    result = vv.simulate(vv.System([body, across, *held]), until=0.4, step=0.05)
+    rate = -5 * k**2 * (-0.8 + 2 * eta**2 * E / (1 - nu) + 2 * k**2)
+    u = np.array([body.displacements(x)[:, 0] for x in result.states])
+    v = np.array([body.velocities(x, v)[:, 0] for x, v in zip(result.states, result.rates, strict=True)])[1:]
+    np.testing.assert_allclose(v, rate * (u[1:] + u[:-1]) / 2, atol=0.01 * abs(rate * u).max())

@@ -31,8 +31,9 @@ class Adaptive(metaclass=Validated):
 
     The increment of a step is compared with the explicit two-step formula of second order, which differs from
     the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step. Velocities of
-    fluids, of which the midpoint rule and backward Euler know the mean rates of steps, are compared over two steps at a
-    time, in which what swings from step to step cancels: no step is short enough to resolve that.
+    fluids and of what has no mass, of which the midpoint rule and backward Euler know the mean rates of steps, are
+    compared over two steps at a time, in which what swings from step to step cancels: no step is short enough to
+    resolve that.
 
     Impacts of rigid bodies by multipliers leave no trace in the increment: there what the bodies came deeper into each
     other in the step is its error.
@@ -81,11 +82,12 @@ class Adaptive(metaclass=Validated):
 class _Estimate:
     """The velocities before the last step, that step's length and the length of the one before.
 
-    `means` are the unknowns whose rates are means over the last step.
+    `means` are the unknowns whose rates are means over the last step, `late` those of them without a rate at the start.
     """
 
     inverse_scale: Array
     means: NDArray[np.bool_]
+    late: NDArray[np.int64]
     rates: Array | None = None
     length: float = 0.0
     before: float = 0.0
@@ -94,6 +96,7 @@ class _Estimate:
         """Estimated error of a step as a multiple of `tolerance`."""
         bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
         if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
+            bend[self.late] = 0.0
             return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
         L = self.length
         before = 0.5 * h / L * (rates - self.rates) * self.inverse_scale
@@ -112,10 +115,10 @@ def adaptive_steps(
     ``system.stepper.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
-    has_means = np.count_nonzero(scheme.transport(1.0)[2]) == 1
-    estimate = _Estimate(
-        np.where(system.order > 0, system.inverse_scale, 0.0), has_means & (system.order == 1)
-    )
+    has_means, late = np.count_nonzero(scheme.transport(1.0)[2]) == 1, system.stepper.means
+    means = has_means & (system.order == 1)
+    means[late] = True
+    estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0), means, late)
     h, last, pace = float(np.clip(step, low, high)), 1.0, system.stepper.pace
     if NAME in pace:
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()

@@ -22,6 +22,7 @@ from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
 from visviva.system.algebraic import settle
 from visviva.system.freedom import refuse_free, refuse_massless, refuse_swinging
 from visviva.system.growing import bring_into_balance
+from visviva.system.mean_rates import moved_by_means
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
 from visviva.system.system import System, refuse_no_system
@@ -174,6 +175,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
             bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
+    system.stepper.means = moved_by_means(system, scheme)
     system.stepper.is_edited = False
     system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:

@@ -44,6 +44,8 @@ class Stepper:
         Residual of the step that led to it, where a restart has told it.
     stability : Stability
         Of the equilibria that statics has found.
+    means : array of int
+        Unknowns of motion whose rates are means over the last step, as the scheme of the run has it.
     pace : dict of str to Record
         What those who choose the steps carry on, by the names of their records.
     """
@@ -57,6 +59,7 @@ class Stepper:
     last: tuple[Any, Array] | None = None
     told_forces: Array | None = None
     stability: Stability = field(default_factory=Stability)
+    means: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     pace: dict[str, Record] = field(default_factory=dict)
     _tables: tuple[Scheme, float, Any] | None = None  # of the last step; equal steps share them
 

@@ -54,8 +54,9 @@ def _taken(system: System, h: float, scheme: Scheme) -> Any:
         accept(system, attempt, scheme)
         return attempt.report
     signals = system.signals(step).copy() if system.model.driving.signals else None
+    start = system.x[system.stepper.means]
     report = _solve(system, system.core.advance, step, signals)
-    _arrive(system, step, system.signals(step) if signals is None else signals, scheme)
+    _arrive(system, step, system.signals(step) if signals is None else signals, scheme, start)
     return report
 
 
@@ -71,10 +72,11 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
     """Make the increment of an attempt the new state; a step to where energies or rates have no value has failed."""
     project = system.projects(scheme)
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
+    start = system.x[system.stepper.means]
     with Trial(system), _failing(system, attempt.step):
         refuse_invalid(system, attempt.step)
         _refuse_failed(system, attempt.step, system.core.accept(attempt.step, attempt.signals, True))
-    _arrive(system, attempt.step, attempt.signals, scheme)
+    _arrive(system, attempt.step, attempt.signals, scheme, start)
     if project:
         _project(system, attempt.step, scheme, x0, dx)
 
@@ -129,8 +131,13 @@ def _keep_factor(system: System) -> float:
     return 0.0 if redundant else system.newton.keep_factor
 
 
-def _arrive(system: System, step: Any, signals: Array, scheme: Scheme) -> None:
+def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Array) -> None:
+    """Take the state for that of a step from where positions that are moved by means had these values."""
     system.stepper.arrive(step, signals, scheme)
+    means = system.stepper.means
+    if len(means):
+        system.v[means] = (system.x[means] - start) / step.h
+        system.core.mark_state()
     if scheme.keeps_swinging:
         near = system.clock.rounding(system.time)
         bent = system.model.driving.bent(system.time - step.h + near, system.time + near)
