@@ -44,6 +44,18 @@ def test_conduction_in_an_isolated_block() -> None:
     assert law(result, "first law").verdict.startswith("conserved")
 
 
+def test_heat_that_moves_inside_is_the_scale_of_the_first_law() -> None:
+    """106 J pass from half to half of a block whose total stays; they arise as entropy at 310 K."""
+    heat = vv.Heat(conductivity=0.05, capacity=2.0, reference=300.0)
+    result = vv.simulate(
+        vv.System([block(heat=heat, temperature=lambda X: 300 + 20 * X[:, 0])]), until=10.0, step=1.0
+    )
+    ledger = result.ledger
+    assert ledger.energy_scale == pytest.approx(310 * ledger.swing("entropy"), rel=0.05)
+    assert ledger.energy_scale > 100 * 1e-6 * ledger.size("potential_stored")
+    assert law(result, "first law").verdict == "conserved"
+
+
 def test_two_stores_that_exchange_heat() -> None:
     """Capacities 10 and 10 at 400 and 300 end at 350; half of that, with a third body, in the surroundings."""
     hot, cold = vv.HeatStore(capacity=10.0, temperature=400.0), vv.HeatStore(capacity=10.0, temperature=300.0)

@@ -209,7 +209,7 @@ class Ledger:
 
     @property
     def energy_scale(self) -> float:
-        """Scale of energy errors: the largest of kinetic energy, swing of potentials, work.
+        """Scale of energy errors: the largest of kinetic energy, swing of potentials, work, heat that moves inside.
 
         Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
         rounding only; where nothing does, what rounding of places makes.
@@ -224,12 +224,20 @@ class Ledger:
                     self.greatest("kinetic"),
                     *swings,
                     *works,
+                    self._heat_inside,
                     STILL * (self.sizes.pull + self.sizes.power * self.duration),
                     0.5 * self.sizes.mass * jitter**2,
                     np.finfo(float).tiny,
                 ]
             )
         )
+
+    @property
+    def _heat_inside(self) -> float:
+        """Heat that passes from part to part: of what is stored, the share by which the entropy changes."""
+        if "entropy" not in self.names or "potential_stored" not in self.names or not self.size("entropy"):
+            return 0.0
+        return self.size("potential_stored") * min(1.0, self.swing("entropy") / self.size("entropy"))
 
     @property
     def duration(self) -> float:
