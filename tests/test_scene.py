@@ -89,6 +89,30 @@ def test_studies_round_trip_with_probes(file: Path, tmp_path: Path) -> None:
         np.testing.assert_array_equal(ours, theirs)
 
 
+def test_starts_by_expressions_of_place(tmp_path: Path) -> None:
+    """A pattern, a crack and a warm end begin in a file as by functions of Python."""
+    mesh, wave = vv.RectangleMesh(size=(8, 8), counts=(8, 8)), "0.5 + 0.1*cos(x)*cos(0.5*y)"
+    settings: Any = {"free_energy": vv.DoubleWell(barrier=1.0), "gradient_energy": 8.0, "name": "alloy"}
+    alloy = vv.CahnHilliard(mesh=mesh, concentration=wave, **settings)
+    wall = vv.ThermalBody(mesh=mesh, conductivity=1.0, temperature="300 + 20*exp(-x)", name="wall")
+    steel, tough = vv.SaintVenantKirchhoff(young=1.0, poisson=0.2), {"toughness": 1.0, "length": 2.0}
+    plate = vv.FracturingSolid(
+        mesh=mesh, material=steel, damage="max(0, 1 - abs(y - 4))", name="plate", **tough
+    )
+    write_scene(vv.Study(vv.System([alloy, wall, plate]), 0.1, 0.1), tmp_path / "starts.yaml")
+    again = {c.name: c for c in read_scene(tmp_path / "starts.yaml").system.components}
+    x, y = alloy.points[:, :2].T
+    np.testing.assert_allclose(
+        again["alloy"].start_values, 0.5 + 0.1 * np.cos(x) * np.cos(0.5 * y), rtol=1e-14
+    )
+    np.testing.assert_allclose(again["plate"].start_damages, np.maximum(0, 1 - np.abs(y - 4)), rtol=1e-14)
+    np.testing.assert_allclose(again["wall"].temperature(wall.points), 300 + 20 * np.exp(-x), rtol=1e-14)
+    with pytest.raises(
+        vv.InputError, match=r"concentration: 't' in '0.5 \+ t' is unknown; there are x, y, z"
+    ):
+        vv.CahnHilliard(mesh=mesh, concentration="0.5 + t", **settings)
+
+
 def test_python_functions_and_own_classes_are_refused(tmp_path: Path) -> None:
     class Mine(vv.PointMass):
         pass

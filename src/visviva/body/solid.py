@@ -20,7 +20,7 @@ from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, 
 from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
 from visviva.component.announcements import SharedOut, Wetting
 from visviva.component.component import settings
-from visviva.component.values import Number, NumberOrFunction, Vector3, VectorOrFunction
+from visviva.component.values import Number, NumberAtPlace, Vector3, VectorOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.generate import MeshSource
@@ -64,7 +64,7 @@ class Solid(MeshBody):
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
     angular_velocity : (3,)
         Initial rotation about the centre of mass.
-    thermal_strain : float, or a function of reference positions (n, 3) with values (n,)
+    thermal_strain : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,)
         Expansion coefficient times rise of temperature: the strain, the same in all directions, that heat alone would
         leave. Finite strains are measured from there, ``(1 + e)^3 W(C / (1 + e)^2)``. It does not change in time.
         Elements of 'F-bar' have that of their centre.
@@ -96,7 +96,7 @@ class Solid(MeshBody):
     thickness: Number = 1.0
     velocity: VectorOrFunction = (0.0, 0.0, 0.0)
     angular_velocity: Vector3 = (0.0, 0.0, 0.0)
-    thermal_strain: NumberOrFunction = 0.0
+    thermal_strain: NumberAtPlace = 0.0
     lumped: bool = False
     mass_damping: Number = 0.0
     stiffness_damping: Number = 0.0

@@ -197,6 +197,45 @@ NumberOrFunction = Annotated[
 ]
 
 
+class AtPlace:
+    """An expression in the place x, y, z as a function ``f(X)`` of places (n, 3) with values (n,).
+
+    Examples
+    --------
+    >>> AtPlace("0.5 + 0.1*cos(x)")(np.zeros((2, 3))).tolist()
+    [0.6, 0.6]
+    """
+
+    def __init__(self, source: str) -> None:
+        self.source, self._value = source, Expression(source)
+        if unknown := self._value.names - set("xyz"):
+            raise ValueError(f"{min(unknown)!r} in {source!r} is unknown; there are x, y, z")
+
+    def __repr__(self) -> str:
+        return f"AtPlace({self.source!r})"
+
+    def __call__(self, X: Array) -> Array:
+        places = (dict(zip("xyz", map(complex, place), strict=True)) for place in X.tolist())
+        return np.array([self._value(place) for place in places])
+
+
+def _number_at_place(value: Any) -> Any:
+    return AtPlace(value) if isinstance(value, str) else _number_or_function(value)
+
+
+def _plain_at_place(value: Any) -> Any:
+    return value.source if isinstance(value, AtPlace) else _plain_number(value)
+
+
+NumberAtPlace = Annotated[
+    Any,
+    BeforeValidator(_number_at_place),
+    PlainSerializer(_plain_at_place),
+    WithJsonSchema({"type": ["number", "string"]}),
+]
+"""A number, a function ``f(X)``, or an expression in x, y, z."""
+
+
 def _curve(value: Any) -> Any:
     if _is_function(value):
         return value

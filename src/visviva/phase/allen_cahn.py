@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.component.values import Matrix, Number, NumberAtPlace
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineSource
@@ -39,7 +39,7 @@ class AllenCahn(PhaseBody):
         ``f(c)`` per volume.
     gradient_energy : float, or array (3,) or (3, 3)
         ``K`` of ``grad c . K grad c / 2`` per volume.
-    order : float, or a function of positions (n, 3) with values (n,)
+    order : float, expression in x, y, z, or function of positions (n, 3) with values (n,)
         At the start.
     mobility : float or Mobility
         ``M``, which must not vanish.
@@ -72,7 +72,7 @@ class AllenCahn(PhaseBody):
     mesh: Mesh | MeshSource | SplineSource
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
-    order: NumberOrFunction
+    order: NumberAtPlace
     mobility: Number | Mobility = 1.0
     conserved: bool = False
     periodic: Pairs = ()

@@ -14,7 +14,7 @@ from visviva.base.errors import InputError
 from visviva.body.space import Table
 from visviva.body.spline_space import SplineSpace
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.component.values import Matrix, Number, NumberAtPlace
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineBox, SplineSource
@@ -45,7 +45,7 @@ class CahnHilliard(PhaseBody):
         ``f(c)`` per volume.
     gradient_energy : float, or array (3,) or (3, 3)
         ``K`` of ``grad c . K grad c / 2`` per volume; isotropic, along the axes, or a symmetric tensor.
-    concentration : float, or a function of positions (n, 3) with values (n,)
+    concentration : float, expression in x, y, z, or function of positions (n, 3) with values (n,)
         At the start.
     mobility : float or Mobility
         ``M(c)``.
@@ -87,7 +87,7 @@ class CahnHilliard(PhaseBody):
     mesh: Mesh | MeshSource | SplineSource
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
-    concentration: NumberOrFunction
+    concentration: NumberAtPlace
     mobility: Number | Mobility = 1.0
     periodic: Pairs = ()
     thickness: Number = 1.0

@@ -17,7 +17,7 @@ from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
-from visviva.component.values import Number, NumberOrFunction
+from visviva.component.values import Number, NumberAtPlace, NumberOrFunction
 from visviva.load.periodic_faces import shared_numbers, shared_values
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
@@ -67,7 +67,7 @@ class FracturingSolid(Solid):
         `SaintVenantKirchhoff`, logarithmic ones of `Hencky`.
     residual : float
         Share of the stiffness that full damage leaves.
-    damage : float, or a function of reference positions (n, 3) with values (n,)
+    damage : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,)
         At the start, 0 to 1: cracks that are there already.
     irreversibility : {'active set', 'history'}
         How damage is kept from shrinking. By active sets, nodes that would shrink rest: exact, without work, and the
@@ -111,7 +111,7 @@ class FracturingSolid(Solid):
     model: Model = "AT2"
     split: SplitName = "none"
     residual: Number = 1e-6
-    damage: NumberOrFunction = 0.0
+    damage: NumberAtPlace = 0.0
     irreversibility: Irreversibility = "active set"
     free_strain: NumberOrFunction | None = None
 

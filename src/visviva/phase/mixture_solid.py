@@ -19,7 +19,7 @@ from visviva.body.solid_term import Elements
 from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberOrFunction
+from visviva.component.values import Matrix, Number, NumberAtPlace
 from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
 from visviva.mesh.periodic import numbering, partners
@@ -99,7 +99,7 @@ class MixtureSolid(Solid):
 
     free_energy: FreeEnergy
     gradient_energy: Number | Matrix
-    concentration: NumberOrFunction
+    concentration: NumberAtPlace
     mobility: Number | Mobility = 1.0
     periodic: Pairs = ()
     eigenstrain: Number | tuple[Number, Number, Number] = 0.0

@@ -13,7 +13,7 @@ from visviva.base.errors import InputError, nearest
 from visviva.body.space import MeshSpace, ScalarSpace, Table
 from visviva.body.spline_space import SplineSpace
 from visviva.component.meshed import Meshed
-from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
+from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
@@ -66,7 +66,7 @@ class PhaseBody(Meshed):
     lumps = True
     """Whether logarithms are summed at the corners of cells, where they keep the field inside of their domain."""
 
-    def _prepare(self, given: NumberOrFunction) -> None:
+    def _prepare(self, given: NumberAtPlace) -> None:
         """Mesh, space, start values, and what is refused of them."""
         self._tensor = positive_tensor(self.label, "gradient_energy =", self.gradient_energy)
         if not self.thickness > 0:
@@ -98,7 +98,7 @@ class PhaseBody(Meshed):
             at_corners=self.lumps and self.free_energy.has_domain,
         )
 
-    def _sampled(self, given: NumberOrFunction) -> Array:
+    def _sampled(self, given: NumberAtPlace) -> Array:
         found = given(self.points) if callable(given) else given
         values = np.asarray(found, dtype=float)
         if values.shape not in ((), (self.grid.n_nodes,)) or not np.all(np.isfinite(values)):

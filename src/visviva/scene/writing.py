@@ -13,7 +13,7 @@ from visviva.base.errors import InputError
 from visviva.base.timefunction import TimeFunction
 from visviva.component.component import Component
 from visviva.component.point import Frame, Point
-from visviva.component.values import OfPlace
+from visviva.component.values import AtPlace, OfPlace
 from visviva.measure.measures import Reading
 from visviva.mesh.mesh import Mesh
 from visviva.output.safe_files import replacing, reporting
@@ -126,7 +126,7 @@ def value(label: str, item: Any) -> Any:
         return {type(item).__name__: arguments} if arguments else type(item).__name__
     if isinstance(item, (*language.CHOICES.values(), Reading)):
         return described(label, item, {**language.values(), **language.probes()})
-    return plain(label, item.source if isinstance(item, TimeFunction | OfPlace) else item)
+    return plain(label, item.source if isinstance(item, TimeFunction | AtPlace | OfPlace) else item)
 
 
 def plain(label: str, item: Any) -> Any:

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError
 from visviva.body.mesh_points import FacePoints, Points, face_points
 from visviva.component.component import Component, settings
-from visviva.component.values import Number, NumberOrFunction
+from visviva.component.values import Number, NumberAtPlace
 from visviva.flow.conditions import Condition
 from visviva.flow.fluid import Fluid, Pairs
 from visviva.load.gravity import Gravity
@@ -40,7 +40,7 @@ class FluidHeat(HeatCarrier):
         Heat flows with ``-k grad T`` per area (Fourier).
     capacity : float
         Heat per mass and temperature.
-    temperature : float, or a function of positions (n, 3) with values (n,)
+    temperature : float, expression in x, y, z, or function of positions (n, 3) with values (n,)
         At the start.
     reference : float, optional
         The temperature at which the heat content is zero and the density that of the fluid, and of what comes in
@@ -80,7 +80,7 @@ class FluidHeat(HeatCarrier):
     fluid: Fluid
     conductivity: Number
     capacity: Number
-    temperature: NumberOrFunction = 0.0
+    temperature: NumberAtPlace = 0.0
     reference: Number | None = None
     expansion: Number = 0.0
     viscous_heating: bool = False

@@ -15,7 +15,7 @@ from visviva.body.beam import Beam
 from visviva.body.mesh_points import Points
 from visviva.body.profiles import Profile
 from visviva.component.component import Component, settings
-from visviva.component.values import Function, Number, NumberOrFunction
+from visviva.component.values import Function, Number, NumberAtPlace
 from visviva.mesh.cells import CELLS
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
@@ -44,7 +44,7 @@ class ThermalBeam(Beam, HeatCarrier):
     ----------
     heat : Heat
         Of the material. Its `moduli_slope` and what depends on the temperature are not for beams.
-    temperature : float, or a function of reference positions (n, 3) with values (n,), optional
+    temperature : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,), optional
         Mean at the start, absolute; by default the reference of `heat`.
     slopes : (2,), or a function of reference positions (n, 3) with values (n, 2)
         Of the temperature along d1 and d2 at the start.
@@ -76,7 +76,7 @@ class ThermalBeam(Beam, HeatCarrier):
     """
 
     heat: Heat
-    temperature: NumberOrFunction | None = None
+    temperature: NumberAtPlace | None = None
     slopes: tuple[Number, Number] | Function = (0.0, 0.0)
     balances_entropy = True
 

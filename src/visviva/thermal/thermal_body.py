@@ -17,7 +17,7 @@ from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import Component, settings
 from visviva.component.meshed import Meshed
-from visviva.component.values import Matrix, Number, NumberOrFunction, positive_tensor
+from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
@@ -51,7 +51,7 @@ class ThermalBody(Meshed, HeatCarrier):
         Heat per mass and temperature; per volume where `density` is 1. Between the rows of a table, six at most, it is
         linear, beyond its ends it stays.
     density : float
-    temperature : float, or a function of positions (n, 3) with values (n,)
+    temperature : float, expression in x, y, z, or function of positions (n, 3) with values (n,)
         At the start.
     reference : float
         The temperature at which conductivity and capacity are as given, and the heat content is zero.
@@ -86,7 +86,7 @@ class ThermalBody(Meshed, HeatCarrier):
     conductivity: Number | Matrix
     capacity: Number | tuple[tuple[Number, Number], ...] = 1.0
     density: Number = 1.0
-    temperature: NumberOrFunction = 0.0
+    temperature: NumberAtPlace = 0.0
     reference: Number = 0.0
     conductivity_slope: Number = 0.0
     capacity_slope: Number = 0.0

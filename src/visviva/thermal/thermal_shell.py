@@ -17,7 +17,7 @@ from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.shell_layers import N_RAW
 from visviva.body.touching import looks_up
 from visviva.component.component import Component, settings
-from visviva.component.values import NumberOrFunction
+from visviva.component.values import NumberAtPlace
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
@@ -59,9 +59,9 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     ----------
     heat : Heat
         Of all layers; its conductivity is that of the reference.
-    temperature : float, or a function of reference positions (n, 3) with values (n,), optional
+    temperature : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,), optional
         Absolute, at the start; by default the reference of `heat`.
-    difference : float, or a function of reference positions (n, 3) with values (n,)
+    difference : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,)
         Temperature of the upper face less that of the lower one, at the start.
     profile : {"linear", "quadratic"}
         Through the thickness; quadratic ones, as those of sides that heat flows through differently, need a section
@@ -99,8 +99,8 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     """
 
     heat: Heat
-    temperature: NumberOrFunction | None = None
-    difference: NumberOrFunction = 0.0
+    temperature: NumberAtPlace | None = None
+    difference: NumberAtPlace = 0.0
     profile: Literal["linear", "quadratic"] = "linear"
     balances_entropy = True
 

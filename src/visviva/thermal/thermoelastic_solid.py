@@ -19,7 +19,7 @@ from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import Component, settings
-from visviva.component.values import NumberOrFunction
+from visviva.component.values import NumberAtPlace
 from visviva.load.periodic_faces import shared_numbers, shared_values
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
@@ -56,7 +56,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     ----------
     heat : Heat, or UserHeat
         How it stores and conducts heat. With `UserHeat` there is no `material`.
-    temperature : float, or a function of reference positions (n, 3) with values (n,), optional
+    temperature : float, expression in x, y, z, or function of reference positions (n, 3) with values (n,), optional
         Absolute, at the start; by default the reference of `heat`.
 
     Notes
@@ -89,7 +89,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
 
     heat: HeatLaw
     material: Material | None = None  # type: ignore[assignment]
-    temperature: NumberOrFunction | None = None
+    temperature: NumberAtPlace | None = None
     balances_entropy = True
 
     def __post_init__(self) -> None:
