@@ -286,14 +286,23 @@ void ContactTerm::accept(const Context& c) {
     if (has_history()) carry_tractions(places);
 }
 
-// Elastic tractions go with what a gap holds.
+// Elastic tractions go with what a gap holds. A vertex that has slid on to another place takes those along
+// that nothing holds any more; a pair of edges that is new has none.
 void ContactTerm::carry_tractions(const std::vector<long>& places) {
     const std::vector<double>& before = elastic_.at_start();
     std::vector<double> tractions(before.size(), 0.0);
     const int n = gaps_->n(), own = n / gaps_->copies();
-    for (int A = 0; A < n; ++A)
+    auto copy_at = [&](int A, auto wanted) {
         for (int B = A % own; B < n; B += own)
-            if (places[B] == gaps_->place(A)) std::copy_n(&before[2 * B], 2, &tractions[2 * A]);
+            if (wanted(B)) return B;
+        return -1;
+    };
+    for (int A = 0; A < n; ++A) {
+        int from = copy_at(A, [&](int B) { return places[B] == gaps_->place(A); });
+        const bool left = copy_at(A, [&](int C) { return gaps_->place(C) == places[A]; }) < 0;
+        if (from < 0 && left && gaps_->are_of_vertices()) from = A;
+        if (from >= 0) std::copy_n(&before[2 * from], 2, &tractions[2 * A]);
+    }
     elastic_.amend(std::move(tractions));
 }
 

@@ -79,6 +79,9 @@ class Gaps {
     }
     /// What a vertex touches from the start of a step on, a number that is the same in steps in which it is.
     virtual long place(int /*gap*/) const { return 0; }
+    /// Whether gaps are those of vertices, which slide from place to place, or of pairs that stay what they
+    /// are.
+    virtual bool are_of_vertices() const { return true; }
     /// Vertices that overlap stay with the side they came in by until a step begins with them outside, and
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.

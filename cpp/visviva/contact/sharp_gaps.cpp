@@ -56,6 +56,7 @@ class SharpGaps : public Gaps {
         take_stencils();
     }
     long place(int gap) const override { return held_.of(gap).pair.number; }
+    bool are_of_vertices() const override { return false; }
     void values(const double* X, double* gap, double* area) override;
     void approaches(const double*, const double*, std::vector<Approach>& out) const override {
         out.assign(n_, {options_.depth, 0});  // half of that is too deep; what passes whole edges is watched

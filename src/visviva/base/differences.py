@@ -31,7 +31,7 @@ def central_rate(f: Callable[[float], Any], t: float, step: float = 0.0) -> Any:
     >>> import math
     >>> round(central_rate(math.sin, 300.0, 0.1) / math.cos(300.0), 9)
     1.0
-    >>> round(central_rate(lambda t: math.sin(1e6 * t), 0.0), 3)
+    >>> round(float(central_rate(lambda t: math.sin(1e6 * t), 0.0)), 3)
     1000000.0
     """
     return _over(_central, 1, f, t, step)
