@@ -210,3 +210,21 @@ def test_orders_of_a_point_that_swings_by_its_elastic_slip(scheme: vv.Scheme, or
 
     errors = np.array([error(n) for n in (100, 200, 400)])
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize("enforcement", ["penalty", "multipliers"])
+@pytest.mark.parametrize("count", [1, 16])
+def test_elastic_slip_goes_on_from_facet_to_facet(enforcement: Any, count: int) -> None:
+    """A point slides on a stiff plate: what its friction takes and its slip stores is in the books, on any mesh."""
+    plate = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 0.2), counts=(count, 1, 1), origin=(-0.5, -0.5, -0.2)),
+        material=vv.NeoHooke(young=1e7, poisson=0.3),
+        density=1.0,
+    )
+    point = vv.PointMass(mass=1.0, position=(-0.33, 0.02, 0), velocity=(1, 0, 0))
+    rubbing: Any = {"friction": 0.2, "tangential": "penalty", "tangential_stiffness": 200.0}
+    contact = vv.Contact(first=point, second=plate, second_faces="z1", enforcement=enforcement, **rubbing)
+    parts = [plate, vv.Fixed(solid=plate, nodes="z0"), point, vv.Gravity(), contact]
+    result = vv.simulate(vv.System(parts), until=0.3, step=0.0025)
+    assert result.conservation()["energy"] < 1e-10
+    assert result.ledger.last("work_friction") < -0.25

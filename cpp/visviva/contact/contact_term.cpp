@@ -283,26 +283,17 @@ void ContactTerm::accept(const Context& c) {
     for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);
     begin(c.vectors.x1);
     if (rebounds()) carry_landings(places, gap, area);
-    if (has_history()) carry_tractions(places);
+    if (has_history() && !gaps_->are_of_vertices()) carry_tractions(places);
 }
 
-// Elastic tractions go with what a gap holds. A vertex that has slid on to another place takes those along
-// that nothing holds any more; a pair of edges that is new has none.
+// Elastic tractions go with the pair of edges that has them. Those of vertices stay with these, whatever they
+// slide on.
 void ContactTerm::carry_tractions(const std::vector<long>& places) {
     const std::vector<double>& before = elastic_.at_start();
     std::vector<double> tractions(before.size(), 0.0);
-    const int n = gaps_->n(), own = n / gaps_->copies();
-    auto copy_at = [&](int A, auto wanted) {
-        for (int B = A % own; B < n; B += own)
-            if (wanted(B)) return B;
-        return -1;
-    };
-    for (int A = 0; A < n; ++A) {
-        int from = copy_at(A, [&](int B) { return places[B] == gaps_->place(A); });
-        const bool left = copy_at(A, [&](int C) { return gaps_->place(C) == places[A]; }) < 0;
-        if (from < 0 && left && gaps_->are_of_vertices()) from = A;
-        if (from >= 0) std::copy_n(&before[2 * from], 2, &tractions[2 * A]);
-    }
+    for (int A = 0; A < gaps_->n(); ++A)
+        for (int B = 0; B < gaps_->n(); ++B)
+            if (places[B] == gaps_->place(A)) std::copy_n(&before[2 * B], 2, &tractions[2 * A]);
     elastic_.amend(std::move(tractions));
 }
 

@@ -63,14 +63,17 @@ class Internal:
                 break
         return T
 
-    def energy(self) -> Function:
-        """Internal energy of strains of the core and entropy; its first derivatives need none of the temperature."""
+    def energy(self, rest: Array | None = None) -> Function:
+        """Internal energy of strains of the core and entropy; its first derivatives need none of the temperature.
+
+        Its capacity at strains `rest` (n_e, 1) of `free`, those of the core at zero by default, is a size of entropies.
+        """
 
         def internal(e: Any) -> Any:
             z = e[: self.n_e] + self.shift
             T = self.temperature(np.real(z), np.real(e[self.n_e]))
             return self.free(z, T + 0 * e[self.n_e]) + T * e[self.n_e]
 
-        rest = np.zeros((self.n_e, 1)) + self.shift
+        rest = np.zeros((self.n_e, 1)) + self.shift if rest is None else rest
         capacity = np.abs(self.capacity(rest, np.array([self.reference])))
         return Function(internal, self.n_e + 1, 1, self.label, np.append(np.ones(self.n_e), capacity))

@@ -165,7 +165,7 @@ class ThermalSpring(Lump):
         return float(self.capacity * np.log(T / self.reference) + self._strain_entropy(length))
 
     def _own_energy(self) -> Derivatives | None:
-        return None if self.energy is None else self.internal.energy()
+        return None if self.energy is None else self.internal.energy(np.array([[self.free**2]]))
 
     @property
     def _coupling(self) -> float:
