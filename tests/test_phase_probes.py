@@ -52,7 +52,8 @@ def test_size_of_stripes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wave", "counts"), [(4.0, (256, 64)), (1.0, (256, 64)), (0.5, (256, 64)), (4.0, (32, 8, 8))]
+    ("wave", "counts"),
+    [(4.0, (256, 64)), (1.0, (256, 64)), (0.5, (256, 64)), (0.5, (256, 8)), (4.0, (32, 8, 8))],
 )
 def test_size_of_fine_stripes(wave: float, counts: Any) -> None:
     """Waves are found however many there are, in a plane and in space."""

@@ -50,6 +50,15 @@ def test_a_small_block_in_a_large_one(faces: str, exchanged: bool) -> None:
         started(*bodies, reach=0.1, **which)
 
 
+@pytest.mark.parametrize("formulation", ["mortar", "node-to-segment"])
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_a_block_wholly_in_another_is_refused(formulation: str, exchanged: bool) -> None:
+    """Their surfaces do not meet anywhere; it flew freely there."""
+    bodies = [block((0.1,) * 3, (1, 1, 1), (0.4, 0.4, 0.4)), block((1,) * 3, (2, 2, 2), (0, 0, 0))]
+    with pytest.raises(vv.InputError, match="overlap by"):
+        started(*(bodies[::-1] if exchanged else bodies), formulation=formulation)
+
+
 @pytest.mark.parametrize("shape", [vv.Sphere(radius=0.25), vv.Box(size=(1, 1, 0.5))])
 def test_rigid_bodies_in_a_solid(shape: Any) -> None:
     body = vv.RigidBody(shape=shape, density=1000.0, position=(0, 0, -0.55))

@@ -79,7 +79,7 @@ def test_random_start_of_gomez(form: Any) -> None:
     mass = body.integral(system.x)
     early = vv.simulate(system, until=5 / rate, step=0.5 / rate)
     size = domain_size(
-        body.space.cells(), body.coefficients(body.phase, system.x), (1, 1), body.space.spacing
+        body.space.cells(), body.coefficients(body.phase, system.x), (1, 1), body.space.spacings
     )
     assert size == pytest.approx(2 * np.pi / wave, rel=0.1)
     assert np.all(np.diff(early.ledger["potential_stored"]) < 0)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace visviva {
 
@@ -85,6 +86,12 @@ DeepPlace find_overlap(const Enclosure& one, const Enclosure& two, double least)
                 if (const double other = two.depth(x, more); other > more)
                     found = {std::min(depth, other), x};
         }
+    }
+    if (found.depth > 0) return found;
+    // Surfaces that do not cross: one body may be in the other as a whole, which any of its places tells.
+    for (const auto& [inner, outer] : {std::pair(&one, &two), std::pair(&two, &one)}) {
+        const Vector3& x = inner->triangles().front().a;
+        if (const double depth = outer->depth(x, least); depth > 0) return {depth, x};
     }
     return found;
 }

@@ -83,6 +83,8 @@ class ScalarSpace(Protocol):
         Number of coefficients.
     spacing : float
         Largest distance of neighbouring coefficients.
+    spacings : array
+        The same along each axis.
     """
 
     grid: Mesh
@@ -90,6 +92,9 @@ class ScalarSpace(Protocol):
 
     @property
     def spacing(self) -> float: ...
+
+    @property
+    def spacings(self) -> Array: ...
 
     def cells(self) -> Sequence[Table]:
         """Tables of the elements, kind by kind."""
@@ -185,6 +190,15 @@ class MeshSpace:
             counted = np.sort(edges, axis=0)[-1 - diagonals]
             longest = max(longest, float(counted.max()) / (1 if kind.n_nodes == kind.n_corners else 2))
         return longest
+
+    @property
+    def spacings(self) -> Array:
+        found = np.zeros(self.grid.points.shape[1])
+        for cell, nodes in self.grid.cells.items():
+            kind = CELLS[cell]
+            wide = np.ptp(self.grid.points[nodes[:, : kind.n_corners]], axis=1).max(axis=0)
+            found = np.maximum(found, wide / (1 if kind.n_nodes == kind.n_corners else 2))
+        return found
 
     def cells(self) -> Sequence[Table]:
         return self._cells

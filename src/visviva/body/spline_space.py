@@ -122,9 +122,12 @@ class SplineSpace:
     @property
     def spacing(self) -> float:
         """Longest knot span."""
-        points = self.grid.points
+        return float(self.spacings.max())
+
+    @property
+    def spacings(self) -> Array:
         cells = next(iter(self.grid.cells.values()))
-        return float(self._samples_of_span * np.ptp(points[cells], axis=1).max())
+        return np.asarray(self._samples_of_span * np.ptp(self.grid.points[cells], axis=1).max(axis=0))
 
     def cells(self) -> Sequence[Table]:
         return self._cells

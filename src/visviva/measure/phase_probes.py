@@ -112,5 +112,5 @@ class DomainSize(Reading):
     def __call__(self, system: System) -> Any:
         size = np.ptp(self.body.grid.points, axis=0)
         return domain_size(
-            self.body.space.cells(), coefficients(self.body, system), size.tolist(), self.body.space.spacing
+            self.body.space.cells(), coefficients(self.body, system), size, self.body.space.spacings
         )

@@ -50,29 +50,29 @@ def structure_factor(tables: Sequence[Table], c: Array, waves: ArrayLike) -> Arr
     return np.asarray(np.abs(total) ** 2 / volume)
 
 
-def domain_size(tables: Sequence[Table], c: Array, size: Sequence[float], spacing: float) -> float:
+def domain_size(tables: Sequence[Table], c: Array, size: ArrayLike, spacings: ArrayLike) -> float:
     """``2 pi / <k>``, the mean wavenumber weighed by the structure factor, of a box with edges `size`.
 
-    All waves of four and more nodes at a distance of `spacing` are counted. What quadrature points stand for is
-    shared between the places of a grid of half that distance, linearly, and transformed (Hockney and Eastwood 1988). In
-    a box that is not periodic, ends spread the longest waves.
+    All waves of four and more nodes at distances of `spacings` along the axes are counted. What quadrature points stand
+    for is shared between the places of a grid of half these distances, linearly, and transformed (Hockney and Eastwood
+    1988). In a box that is not periodic, ends spread the longest waves.
     """
-    wide = [a for a, L in enumerate(size) if L > 0]
-    edges = np.array(size)[wide]
-    shape = np.maximum(2, np.ceil(2 * edges / spacing)).astype(int)
+    wide = np.flatnonzero(np.asarray(size) > 0)
+    edges, apart = np.asarray(size)[wide], np.asarray(spacings)[wide]
+    shape = np.maximum(2, np.ceil(2 * edges / apart)).astype(int)
     k = np.meshgrid(
         *(2 * np.pi * np.fft.fftfreq(n, L / n) for n, L in zip(shape, edges, strict=True)), indexing="ij"
     )
     shared = [np.sinc(axis * L / n / (2 * np.pi)) ** 2 for axis, L, n in zip(k, edges, shape, strict=True)]
     S = np.abs(np.fft.fftn(_on_grid(tables, c, wide, edges, shape)) / np.prod(shared, axis=0)) ** 2
-    S[np.any([np.abs(axis) > np.pi / (2 * spacing) * (1 + 1e-9) for axis in k], axis=0)] = 0.0
+    S[np.any([np.abs(a) > np.pi / (2 * d) * (1 + 1e-9) for a, d in zip(k, apart, strict=True)], axis=0)] = 0.0
     S.flat[0] = 0.0
     if not S.sum() > 0:
         return float("inf")
     return float(2 * np.pi * S.sum() / (np.linalg.norm(k, axis=0) * S).sum())
 
 
-def _on_grid(tables: Sequence[Table], c: Array, wide: list[int], edges: Array, shape: Ints) -> Array:
+def _on_grid(tables: Sequence[Table], c: Array, wide: Ints, edges: Array, shape: Ints) -> Array:
     """Integrals of deviations from the mean, shared between the places of a periodic grid."""
     volume = sum(float(t.size.sum()) for t in tables)
     mean = sum(float((t.size * t.at(c)).sum()) for t in tables) / volume
