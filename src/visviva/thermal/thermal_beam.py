@@ -12,11 +12,11 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body.beam import Beam
+from visviva.body.beam_shapes import shape_of
 from visviva.body.mesh_points import Points
 from visviva.body.profiles import Profile
 from visviva.component.component import Component, settings
 from visviva.component.values import Function, Number, NumberAtPlace
-from visviva.mesh.cells import CELLS
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -134,7 +134,7 @@ class ThermalBeam(Beam, HeatCarrier):
     @cached_property
     def _to_ends(self) -> Array:
         """Shares (k, 2) of the temperatures at the ends of a cell in those at its nodes."""
-        xi = CELLS[self.line.kind].nodes[:, 0]
+        xi = shape_of(self.line.kind).nodes[:, 0]
         return np.column_stack([0.5 * (1 - xi), 0.5 * (1 + xi)])
 
     def declare(self, model: Model) -> None:
