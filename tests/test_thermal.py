@@ -146,7 +146,7 @@ def test_tangents_with_the_stress_of_the_start_know_heat(cell: str) -> None:
     ("options", "words"),
     [
         ({"thermal_strain": -1.5}, r"thermal_strain = -1.5 leaves no volume"),
-        ({"thermal_strain": "hot"}, r"expected a number or a Python function, not 'hot'"),
+        ({"thermal_strain": "hot"}, r"thermal_strain: 'hot' in 'hot' is unknown; there are x, y, z"),
         (
             {"thermal_strain": 0.1, "formulation": "mixed"},
             r"'mixed' does not know thermal_strain; take .*'F-bar' or 'enhanced'",

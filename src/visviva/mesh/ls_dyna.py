@@ -153,7 +153,7 @@ class Reader:
         """
         lines = iter(card.lines)
         for line in lines:
-            words = card.numbers(line)
+            words = card.numbers(line, most=11)
             number, part, *nodes = words if len(words) > 2 else [*words, *card.numbers(next(lines, ""))]
             if sum(map(bool, nodes)) == 9:
                 nodes = [*filter(None, nodes), *card.numbers(next(lines, ""))]
