@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from flow_case import Array, FlowCase, main
-from ours_solids import whole_iteration
+from ours_solids import marched, whole_iteration
 from record import Record
 
 import visviva as vv
-from visviva.analysis.march import prepare
 
 CELLS = {"Q2Q1": "quad9", "Q1Q1": "quad4"}
 
@@ -34,14 +33,8 @@ def system_of(case: FlowCase, elements: str) -> tuple[vv.System, vv.Fluid]:
 def run(case: FlowCase, variant: str) -> Record:
     """March the case."""
     system, fluid = system_of(case, variant)
-    scheme, record = vv.EnergyMomentum(), Record()
-    prepare(system, scheme)
-    marching = vv.march(system, until=case.steps * case.step, step=case.step, scheme=scheme)
-    for _ in range(case.steps):
-        with record.timed("cpu"):
-            report = next(marching)
-        record.steps += 1
-        record.iterations += report.iterations
+    scheme = vv.EnergyMomentum()
+    record = marched(system, scheme, case.step, case.steps)
     record.note(float(fluid.at([case.middle]).velocities(system.x)[0, 0]))
     whole_iteration(record, system, scheme.step(system.time, case.step))
     return record

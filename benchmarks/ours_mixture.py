@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from mixture_case import MixtureCase, main
-from ours_solids import whole_iteration
+from ours_solids import marched, whole_iteration
 from record import Record
 
 import visviva as vv
-from visviva.analysis.march import prepare
 
 
 def run(case: MixtureCase, variant: str) -> Record:
@@ -20,14 +19,8 @@ def run(case: MixtureCase, variant: str) -> Record:
         concentration=lambda X: case.start(X[:, 0], X[:, 1]),
     )
     system = vv.System([body], vv.Newton(tolerance=case.tolerance))
-    scheme, record = vv.Midpoint(), Record()
-    prepare(system, scheme)
-    marching = vv.march(system, until=case.steps * case.step, step=case.step, scheme=scheme)
-    for _ in range(case.steps):
-        with record.timed("cpu"):
-            report = next(marching)
-        record.steps += 1
-        record.iterations += report.iterations
+    scheme = vv.Midpoint()
+    record = marched(system, scheme, case.step, case.steps)
     record.note(float(body.values(system.x).std()))
     whole_iteration(record, system, scheme.step(system.time, case.step))
     return record

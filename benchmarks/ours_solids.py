@@ -33,6 +33,19 @@ def scheme_of(case: SolidCase, variant: str) -> vv.Scheme:
     return vv.EnergyMomentum() if variant == "energy-momentum" else vv.GeneralizedAlpha(rho=1.0)
 
 
+def marched(system: vv.System, scheme: vv.Scheme, step: float, steps: int) -> Record:
+    """Time so many steps of a system."""
+    record = Record()
+    prepare(system, scheme)
+    marching = vv.march(system, until=steps * step, step=step, scheme=scheme)
+    for _ in range(steps):
+        with record.timed("cpu"):
+            report = next(marching)
+        record.steps += 1
+        record.iterations += report.iterations
+    return record
+
+
 def whole_iteration(record: Record, system: vv.System, step: Any) -> None:
     """Time residual, tangent and solution on their own, for in the steps a tangent may serve many iterations.
 

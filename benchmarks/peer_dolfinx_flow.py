@@ -7,12 +7,11 @@ from typing import Any
 import dolfinx
 import numpy as np
 import ufl
+from dolfinx_newton import Iteration
 from flow_case import FlowCase, main, march
 from mpi4py import MPI
 from petsc4py import PETSc
 from record import Record
-
-COMPILER = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
 class Channel:
@@ -30,10 +29,6 @@ class Channel:
         self.velocities, self.places = self.space.sub(0).collapse()
         self.boundary(mesh)
         self.forms(mesh)
-        self.solver = PETSc.KSP().create(MPI.COMM_SELF)
-        self.solver.setType("preonly")
-        self.solver.getPC().setType("lu")
-        self.solver.getPC().setFactorSolverType("mumps")
 
     def boundary(self, mesh: Any) -> None:
         """Walls and inflow hold velocities, as increments of Newton's method see it zeros."""
@@ -83,35 +78,14 @@ class Channel:
         outward = ufl.dot(v, n)
         residual += rho / 2 * ufl.conditional(outward > 0, outward, 0.0) * ufl.inner(v, w) * out
         residual -= mu * ufl.inner(ufl.grad(v).T * n, w) * out
-        self.f = dolfinx.fem.form(residual, jit_params=COMPILER)
-        self.K = dolfinx.fem.form(ufl.derivative(residual, self.new), jit_params=COMPILER)
-        self.matrix = dolfinx.fem.petsc.create_matrix(self.K)
-        self.right = dolfinx.fem.petsc.create_vector(self.f)
-        self.out = self.right.duplicate()
+        self.iteration = Iteration(residual, self.new, self.places, self.zeros)
+        self.assemble, self.advance = self.iteration.assemble, self.iteration.advance
 
     def begin(self, t: float) -> None:
         """The last state, with the velocities that are held."""
         self.set_inflow(t)
         self.old.x.array[:] = self.new.x.array
         dolfinx.fem.petsc.set_bc(self.new.vector, self.conditions)
-
-    def assemble(self) -> None:
-        """Residual and tangent."""
-        with self.right.localForm() as local:
-            local.set(0.0)
-        dolfinx.fem.petsc.assemble_vector(self.right, self.f)
-        dolfinx.fem.petsc.set_bc(self.right, self.zeros)
-        self.matrix.zeroEntries()
-        dolfinx.fem.petsc.assemble_matrix(self.matrix, self.K, bcs=self.zeros)
-        self.matrix.assemble()
-
-    def advance(self) -> tuple[float, float]:
-        """Takes the increment off; sizes of the velocities in it and in the state."""
-        self.solver.setOperators(self.matrix)
-        self.solver.solve(self.right, self.out)
-        self.new.x.array[:] -= self.out.array
-        change, v = (np.linalg.norm(a[self.places]) for a in (self.out.array, self.new.x.array))
-        return float(change), float(v)
 
     def answer(self) -> float:
         """Velocity along the channel in its middle."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import dolfinx
-import numpy as np
 import ufl
+from dolfinx_newton import Iteration
 from flow_case import march
 from mixture_case import MixtureCase, main
 from mpi4py import MPI
-from petsc4py import PETSc
 from record import Record
-
-COMPILER = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
 class Square:
@@ -28,10 +25,6 @@ class Square:
         start.interpolate(lambda x: case.start(x[0], x[1]))
         self.new.x.array[self.places] = start.x.array
         self.forms()
-        self.solver = PETSc.KSP().create(MPI.COMM_SELF)
-        self.solver.setType("preonly")
-        self.solver.getPC().setType("lu")
-        self.solver.getPC().setFactorSolverType("mumps")
 
     def forms(self) -> None:
         """Residual of a step, and its derivative."""
@@ -46,32 +39,12 @@ class Square:
         points = ufl.dx(metadata={"quadrature_degree": 2})  # as visviva has them: three in a triangle
         residual += (mu - slope) * w * points
         residual -= case.gradient_energy * ufl.inner(ufl.grad((c0 + c1) / 2), ufl.grad(w)) * ufl.dx
-        self.f = dolfinx.fem.form(residual, jit_params=COMPILER)
-        self.K = dolfinx.fem.form(ufl.derivative(residual, self.new), jit_params=COMPILER)
-        self.matrix = dolfinx.fem.petsc.create_matrix(self.K)
-        self.right = dolfinx.fem.petsc.create_vector(self.f)
-        self.out = self.right.duplicate()
+        self.iteration = Iteration(residual, self.new, self.places)
+        self.assemble, self.advance = self.iteration.assemble, self.iteration.advance
 
     def begin(self, t: float) -> None:
         """The last state."""
         self.old.x.array[:] = self.new.x.array
-
-    def assemble(self) -> None:
-        """Residual and tangent."""
-        with self.right.localForm() as local:
-            local.set(0.0)
-        dolfinx.fem.petsc.assemble_vector(self.right, self.f)
-        self.matrix.zeroEntries()
-        dolfinx.fem.petsc.assemble_matrix(self.matrix, self.K)
-        self.matrix.assemble()
-
-    def advance(self) -> tuple[float, float]:
-        """Takes the increment off; sizes of the concentrations in it and in the state."""
-        self.solver.setOperators(self.matrix)
-        self.solver.solve(self.right, self.out)
-        self.new.x.array[:] -= self.out.array
-        change, c = (np.linalg.norm(a[self.places]) for a in (self.out.array, self.new.x.array))
-        return float(change), float(c)
 
     def answer(self) -> float:
         """Standard deviation of the concentrations at the nodes."""
