@@ -96,6 +96,17 @@ def test_a_process_alone_adds_nothing() -> None:
     assert alone.parts(mesh).tolist() == 12 * [0]
 
 
+def test_the_first_process_announces(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = seam.Alone()
+    other.rank, other.size = 1, 2
+    for those, said in ((seam.Alone(), "it is so\n"), (other, "")):
+        monkeypatch.setattr(seam, "_joined", [those])
+        seam.announce("it is so")
+        assert capsys.readouterr().err == said
+
+
 def test_a_package_of_another_release_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     package = SimpleNamespace(SEAM=seam.SEAM + 1, __version__="9.9", __spec__=SimpleNamespace())
     monkeypatch.setitem(sys.modules, seam.PACKAGE, package)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from typing import Any, Protocol
 
 import numpy as np
@@ -110,6 +111,12 @@ def world() -> World:
 def joined() -> World:
     """Those that have come together so far, for who tells of errors."""
     return _joined[0] if _joined else Alone()
+
+
+def announce(message: str) -> None:
+    """A line to standard error, by the first process."""
+    if world().rank == 0:
+        print(message, file=sys.stderr)
 
 
 def _found() -> World:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.base.errors import InputError
 from visviva.base.html import table
-from visviva.base.world import world
+from visviva.base.world import announce, world
 from visviva.component.point import Attachable
 from visviva.scheme.schemes import EnergyMomentum
 from visviva.system.consistency import (
@@ -261,7 +260,7 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
         )
     if report.moves:
         moved = "; ".join(report.moves[:SHOWN])
-        print(f"initial state moved onto the constraints: {moved}", file=sys.stderr)
+        announce(f"initial state moved onto the constraints: {moved}")
     return report
 
 

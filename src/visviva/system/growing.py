@@ -6,13 +6,15 @@ begins out of balance twice as far, whatever the step's length: energy that is c
 
 from __future__ import annotations
 
-import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import RunError
+from visviva.base.world import announce
 from visviva.system.algebraic import equations
+from visviva.system.instant import instant
 from visviva.system.memory import Trial, undisturbed
 from visviva.system.newton import GivenUp, StepFailure
 
@@ -28,12 +30,15 @@ Ints = NDArray[np.int64]
 SHORT, BEYOND = 0.1, 0.15
 """Largest distances from balance at the end of a step, in sizes of the unknown. What stays short of it goes as far
 beyond it in the next step, so that has to be allowed, with what that step adds."""
+CLEAR = 0.5
+"""Part of the first within which residuals alone tell of balance: terms like masses, of the wrong sign between
+neighbours, let some be farther from it."""
 ROUNDING, ROUGH = 1e-13, 1e-4
 """Accuracy of balances that are taken, and of those that are looked at."""
 MOVED = 1e-9
 """Part of its size from which on a move is told."""
-MOST = 200
-"""Choices of what rests; cracks that are given spread by a layer of nodes with each."""
+MOST, WAITS = 1000, 4
+"""Choices of what rests; so many spread by a layer of nodes each, then by twice as many layers each time."""
 
 
 def bring_into_balance(system: System) -> None:
@@ -43,7 +48,10 @@ def bring_into_balance(system: System) -> None:
         return
     start = system.x.copy()
     r, K, at = equations(system, np.concatenate([f.unknowns for f in fields]))
-    system.x[at] += change_to_balance(K, r, np.zeros(len(at)), ROUNDING)
+    change = change_to_balance(K, r, np.zeros(len(at)), ROUNDING)
+    if change is None:
+        raise RunError(f"{_lost(fields)}; give a start nearer to it by damage=, or larger cells")
+    system.x[at] += change
     system.invalidate()
     change = np.abs(system.x - start) * system.inverse_scale
     told = [
@@ -52,7 +60,7 @@ def bring_into_balance(system: System) -> None:
         if change[f.unknowns].max() > MOVED
     ]
     if told:
-        print(f"initial state brought into balance: {'; '.join(told)}", file=sys.stderr)
+        announce(f"initial state brought into balance: {'; '.join(told)}")
         if system.report is not None:
             system.report.moves.extend(told)
 
@@ -66,16 +74,37 @@ def refuse_imbalance(system: System, step: Any) -> None:
     """Fail a solved step at whose end something that grows is out of balance by more than errors of second order."""
     if not watches(system, step):
         return
-    dx = system.core.dx.copy()
+    fields = _held(system)
+    unknowns, dx = np.concatenate([f.unknowns for f in fields]), system.core.dx.copy()
     with undisturbed(system):
         system.core.dx[:] = dx
-        r, K, at = equations(system, np.concatenate([f.unknowns for f in _held(system)]), step.t1)
-    change = change_to_balance(K, r, dx[at], ROUGH) * system.inverse_scale[at]
+        if _is_near_balance(system, step, unknowns):
+            return
+        system.core.dx[:] = dx
+        r, K, at = equations(system, unknowns, step.t1)
+    found = change_to_balance(K, r, dx[at], ROUGH)
+    if found is None:
+        _fail(system, step, f"{_lost(fields)} at the end of the step", int(at[np.argmin(r)]))
+    change = found * system.inverse_scale[at]
     beyond, short = int(np.argmin(change)), int(np.argmax(change))
     if -change[beyond] > BEYOND:
         _refuse(system, step, int(at[beyond]), dx, f"{-change[beyond]:.3g} beyond")
     if change[short] > SHORT:
         _refuse(system, step, int(at[short]), dx, f"{change[short]:.3g} short of")
+
+
+def _is_near_balance(system: System, step: Any, unknowns: Ints) -> bool:
+    """Whether residuals alone tell that no limit can be passed; the trial state is another one afterwards.
+
+    Nothing has gone further beyond its balance than it grew in the step. And where all of it would shrink if it were
+    larger by the same part of its size, none is short of balance by more.
+    """
+    at = np.intersect1d(unknowns, system.free_unknowns)
+    dx, size = system.core.dx, system.scale[at]
+    if (dx[at] > BEYOND * size).any():
+        return False
+    dx[at] += CLEAR * SHORT * size
+    return bool((system.residual(instant(step.t1, theta=1.0))[at] >= 0).all())
 
 
 def _refuse(system: System, step: Any, unknown: int, dx: Array, how: str) -> None:
@@ -86,6 +115,10 @@ def _refuse(system: System, step: Any, unknown: int, dx: Array, how: str) -> Non
         "that is so at any length of the step: let it rise over several steps, or take vv.BackwardEuler() or "
         "vv.GeneralizedAlpha(), which balance at the end and lose the energy that is then free"
     )
+    _fail(system, step, reason, unknown)
+
+
+def _fail(system: System, step: Any, reason: str, unknown: int) -> NoReturn:
     with Trial(system):
         raise StepFailure(system, system.time, step.h, GivenUp(reason, unknown))
 
@@ -95,10 +128,16 @@ def _held(system: System) -> list[Field]:
     return [growing.field for growing in system.model.growing if growing.held]
 
 
-def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -> Array:
+def _lost(fields: list[Field]) -> str:
+    named = " and ".join(f"{f.name} of {f.component.label}" for f in fields)
+    return f"{named}: no balance is found in {MOST} choices of what rests"
+
+
+def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -> Array | None:
     """The change z >= -room where ``z . r + z . K z / 2`` is least, by active sets (Hintermueller, Ito & Kunisch 2003).
 
     `K` (n, n) is symmetric and positive definite for what does not rest; `room` (n,) is by how much each may shrink.
+    None if it is not found.
 
     Examples
     --------
@@ -107,22 +146,43 @@ def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -
     >>> change_to_balance(K, np.array([-1.0, 3.0]), np.full(2, 0.25), 1e-13).tolist()
     [0.375, -0.25]
     """
+    rests = (room <= 0) & (r >= 0)
+    z, advances = np.zeros(len(r)), 0
+    for _ in range(MOST):
+        z = np.where(rests, -room, z)
+        if not _move(K, r, z, ~rests, accuracy):
+            return None
+        held = np.where(rests, r + K @ z >= 0, z < -room)
+        if np.array_equal(held, rests):
+            return np.maximum(z, -room)
+        advances = 0 if (held & ~rests).any() else advances + 1
+        rests = _spread(K, held, rests & ~held, advances)
+    return None
+
+
+def _move(K: sp.csr_array, r: Array, z: Array, moves: NDArray[np.bool_], accuracy: float) -> bool:
+    """Bring those that move into balance beside all others, in place; whether that was possible."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import cg
 
-    rests = (room <= 0) & (r >= 0)
-    z = np.zeros(len(r))
-    for _ in range(MOST):
-        z = np.where(rests, -room, z)
-        moves = np.flatnonzero(~rests)
-        if len(moves):
-            A = K[moves][:, moves]
-            right = -(r + K @ np.where(rests, z, 0.0))[moves]
-            inverse = diags_array(1 / A.diagonal())
-            z[moves] = cg(A, right, x0=z[moves], M=inverse, rtol=accuracy, maxiter=1000)[0]
-        pressed = r + K @ z
-        held = np.where(rests, pressed >= 0, z < -room)
-        if np.array_equal(held, rests):
+    own = np.flatnonzero(moves)
+    if not len(own):
+        return True
+    A = K[own][:, own]
+    inverse = diags_array(1 / A.diagonal())
+    right = -(r + K @ np.where(moves, 0.0, z))[own]
+    z[own], failed = cg(A, right, x0=z[own], M=inverse, rtol=accuracy, maxiter=max(1000, 10 * len(own)))
+    return bool(failed == 0)
+
+
+def _spread(
+    K: sp.csr_array, rests: NDArray[np.bool_], front: NDArray[np.bool_], advances: int
+) -> NDArray[np.bool_]:
+    """What rests, less layers of neighbours of a front that has advanced so often; what went too far comes back."""
+    rests, near = rests.copy(), abs(K)
+    for _ in range(0 if advances < WAITS else 2 ** (advances - WAITS)):
+        front = rests & (near @ front.astype(float) > 0)
+        if not front.any():
             break
-        rests = held
-    return np.maximum(z, -room)
+        rests &= ~front
+    return rests
