@@ -72,7 +72,9 @@ TEST_CASE("point: discrete gradients of every material that conducts heat give t
         for (const double slope : {0.0, 0.01}) {  // of the capacity, whose constant has a gradient of its own
             par[thermal::more] = broadcast(slope);
             check_gradient(ThermoelasticEnergy(par), 0.1 * numbers.vector(7), 0.1 * numbers.vector(7));
-            check_gradient(ThermoelasticEnergyOf<CentreVolume>(par), 0.1 * numbers.vector(13),
+            check_gradient(ThermoelasticEnergyOf<CentreVolume<3>>(par), 0.1 * numbers.vector(13),
+                           0.1 * numbers.vector(13));
+            check_gradient(ThermoelasticEnergyOf<CentreVolume<2>>(par), 0.1 * numbers.vector(13),
                            0.1 * numbers.vector(13));
             check_gradient(VolumePressureEnergy(par), 0.1 * numbers.vector(9), 0.1 * numbers.vector(9));
         }
@@ -106,9 +108,13 @@ static void check_map() {
 
 TEST_CASE("point: what is found of strain maps at compile time is what they say") {
     check_map<SolidMap>();
-    check_map<SolidEntropyMap>();
-    check_map<CentreEntropyMap>();
-    check_map<VolumePressureMap>();
+    check_map<EntropyMap<SolidMap>>();
+    check_map<EntropyMap<PlaneMap>>();
+    check_map<EntropyMap<CentreMap<SolidMap>>>();
+    check_map<EntropyMap<CentreMap<RevolutionMap>>>();
+    check_map<VolumePressureMap<SolidMap>>();
+    check_map<VolumePressureMap<PlaneMap>>();
+    check_map<HeatedBranchMap<RevolutionMap>>();
     check_map<ScalarMap>();
     check_map<BeamMap>();
     check_map<ShellMap>();

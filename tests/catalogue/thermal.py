@@ -9,7 +9,7 @@ import numpy as np
 from flow_parts import stream
 
 import visviva as vv
-from catalogue.entry import ALL, ENERGY, MOMENTA, NOTHING, Components, Entry
+from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, Components, Entry
 
 HEAT = vv.Heat(conductivity=0.5, capacity=0.2, expansion=0.005, reference=20.0, moduli_slope=0.02)
 WARM = vv.Heat(conductivity=0.5, capacity=50.0, expansion=0.005, reference=20.0)
@@ -135,6 +135,18 @@ def brick(cell: str = "hex8", material: Any = None, **options: Any) -> vv.Thermo
         density=1.0,
         temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
         angular_velocity=(0.3, 0.6, 1.0),
+        **{"heat": HEAT, **options},
+    )
+
+
+def sheet(cell: str = "quad4", plane: Any = "strain", **options: Any) -> vv.ThermoelasticSolid:
+    return vv.ThermoelasticSolid(
+        mesh=vv.RectangleMesh(size=(1, 0.8), counts=(2, 1), cell=cell, origin=(0.2, 0)),
+        material=vv.NeoHooke(lame_lambda=20.0, shear=10.0),
+        density=1.0,
+        plane=plane,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        velocity=lambda X: 0.5 * X[:, [1, 0, 2]],
         **{"heat": HEAT, **options},
     )
 
@@ -494,4 +506,29 @@ THERMAL = [
     Entry("thermoelastic brick, mixed tet10", lambda: [brick("tet10", formulation="mixed")], ALL, steps=20),
     Entry("thermoelastic brick, user's", lambda: [users_brick()], ALL, steps=10, analytic=False),
     Entry("thermoelastic brick, heated", heated_brick, NOTHING, steps=30),
+    *[
+        Entry(
+            f"thermoelastic sheet, {cell}, {kind}",
+            partial(lambda **o: [sheet(**o)], cell=cell, formulation=kind),
+            IN_PLANE,
+            h=0.01,
+            steps=20,
+        )
+        for cell, kind in (
+            ("tri6", "displacement"),
+            ("quad4", "enhanced"),
+            ("quad4", "F-bar"),
+            ("quad9", "mixed"),
+        )
+    ],
+    *[
+        Entry(
+            f"thermoelastic ring, {kind}",
+            partial(lambda **o: [sheet("quad4", "axisymmetric", **o)], formulation=kind),
+            ENERGY,
+            h=0.01,
+            steps=20,
+        )
+        for kind in ("displacement", "F-bar", "mixed")
+    ],
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import visviva as vv
-from catalogue.entry import ALL, MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
+from catalogue.entry import ALL, ENERGY, IN_PLANE, MOMENTA, NOTHING, PLANE_MOMENTA, Components, Entry
 
 RUBBER = vv.NeoHooke(lame_lambda=20.0, shear=10.0)
 BRANCHES = (
@@ -69,6 +69,19 @@ def heated(cell: str = "hex8", **options: Any) -> vv.ThermoviscoelasticSolid:
     )
 
 
+def sheet(plane: Any) -> vv.ThermoviscoelasticSolid:
+    return vv.ThermoviscoelasticSolid(
+        mesh=vv.RectangleMesh(size=(1, 0.8), counts=(2, 1), origin=(0.2, 0)),
+        material=RUBBER,
+        density=1.0,
+        plane=plane,
+        heat=HEAT,
+        temperature=lambda X: 20 + 3 * X[:, 0] ** 2,
+        branches=SHIFTED,
+        velocity=lambda X: X * X,
+    )
+
+
 VISCOUS = [
     Entry("viscoelastic brick", lambda: [brick()], MOMENTA, steps=40),
     Entry("viscoelastic brick, F-bar", lambda: [brick(formulation="F-bar")], MOMENTA, steps=20),
@@ -83,5 +96,7 @@ VISCOUS = [
     Entry(
         "thermoviscoelastic brick, enhanced", lambda: [heated(formulation="enhanced")], ALL, h=0.01, steps=20
     ),
+    Entry("thermoviscoelastic sheet", lambda: [sheet("strain")], IN_PLANE, h=0.01, steps=20),
+    Entry("thermoviscoelastic ring", lambda: [sheet("axisymmetric")], ENERGY, h=0.01, steps=20),
     Entry("viscoelastic ring", lambda: [plate("axisymmetric", "quad9")], NOTHING, steps=20),
 ]

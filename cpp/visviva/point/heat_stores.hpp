@@ -264,7 +264,7 @@ struct HeatedSectionPairing {
     }
 };
 
-/// A layer of a shell with entropy and temperature, see SolidEntropyMap.
+/// A layer of a shell with entropy and temperature, see EntropyMap.
 struct HeatedLayerMap : Layout<HeatedLayerMap> {
     static constexpr int n_groups = 4, n_components = 6, n_local = 33, n_strains = 23;
     static constexpr Group groups[] = {{3, 8, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}};

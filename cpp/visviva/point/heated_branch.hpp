@@ -7,15 +7,19 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// (C, theta, s): positions, the temperature of the step, the entropy whose balance takes the heat.
-struct HeatedBranchMap : Layout<HeatedBranchMap> {
-    static constexpr int n_groups = 3, n_components = 5, n_local = 11, n_strains = 8;
-    static constexpr Group groups[] = {{3, 3, 2}, {1, 1, 0, true}, {1, 1, 1}};
-    static constexpr double origin(int j) { return identity_entry(j); }
+/// (C, theta, s): positions with the C of a map, the temperature of the step, the entropy whose balance takes
+/// the heat.
+template <class Base>
+struct HeatedBranchMap : Layout<HeatedBranchMap<Base>> {
+    static constexpr int first = Base::n_local;
+    static constexpr int n_groups = 3, n_components = Base::n_components + 2, n_local = first + 2,
+                         n_strains = 8;
+    static constexpr Group groups[] = {Base::groups[0], {1, 1, 0, true}, {1, 1, 1}};
+    static constexpr double origin(int j) { return j < first ? Base::origin(j) : 0.0; }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
-        right_cauchy_green(y, e);
-        e[6] = y[9], e[7] = y[10];
+        Base::strains(y, e);
+        e[6] = y[first], e[7] = y[first + 1];
     }
 };
 

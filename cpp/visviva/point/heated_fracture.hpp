@@ -13,28 +13,6 @@ constexpr int expansion = thermal::coupling, left = thermal::slope, fracture = t
               n_par = fracture + visviva::VISVIVA_ISA::fracture::n_par;
 }
 
-/// (C, d, grad d) of a map, and (s, grad s, theta, grad theta), see SolidEntropyMap.
-template <class Base>
-struct ConductingMap : Layout<ConductingMap<Base>> {
-    static constexpr int columns = Base::groups[1].columns, first = Base::n_local;
-    static constexpr int n_groups = 4, n_components = Base::n_components + 2, n_local = first + 2 * columns,
-                         n_strains = 18;
-    static constexpr Group groups[] = {
-        Base::groups[0], Base::groups[1], {1, columns, 1}, {1, columns, 0, true}};
-    static constexpr bool couples(int g, int h) { return g > 1 || h < 3; }
-    static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }
-    static constexpr int tried(int g) { return g == 2 ? 1 : groups[g].columns; }
-    static constexpr double origin(int j) { return j < first ? Base::origin(j) : 0.0; }
-    template <class T>
-    static constexpr void strains(const T* y, T* e) {
-        Base::strains(y, e);
-        for (int k = 0; k < 4; ++k) {
-            e[10 + k] = k < columns ? y[first + k] : 0.0 * y[0];
-            e[14 + k] = k < columns ? y[first + columns + k] : 0.0 * y[0];
-        }
-    }
-};
-
 /// That of fracture with the free strain alpha (t - theta0), and the heat content of t, the temperature that
 /// an entropy s has without strain. Moduli are so those at constant entropy, and the temperature is de/ds = t
 /// (1 + alpha dW/d(free strain) / c).

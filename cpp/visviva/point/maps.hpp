@@ -1,5 +1,7 @@
 // Solids: the strain C - I of the deformation gradient, alone or with strains of other fields behind it.
 #pragma once
+#include <array>
+
 #include "visviva/point/point.hpp"
 
 namespace visviva::VISVIVA_ISA {
@@ -84,19 +86,32 @@ struct SolidScalarMap : Layout<SolidScalarMap> {
     }
 };
 
-/// (C, s, grad s, theta, grad theta): the entropy is transported, the temperature acts as a multiplier does.
-/// Nothing depends on the gradient of the entropy, nor is that of the temperature tested.
-struct SolidEntropyMap : Layout<SolidEntropyMap> {
-    static constexpr bool couples(int g, int h) { return g > 0 || h < 2; }
-    static constexpr int tested(int g) { return g == 2 ? 1 : groups[g].columns; }
-    static constexpr int tried(int g) { return g == 1 ? 1 : groups[g].columns; }
-    static constexpr int n_groups = 3, n_components = 5, n_local = 17, n_strains = 14;
-    static constexpr Group groups[] = {{3, 3, 2}, {1, 4, 1}, {1, 4, 0, true}};
-    static constexpr double origin(int j) { return identity_entry(j); }
+/// (s, grad s, theta, grad theta) behind the strains of a map of positions and what else: the entropy is
+/// transported, the temperature acts as a multiplier does. Nothing depends on the gradient of the entropy,
+/// nor is that of the temperature tested. Gradients have three components in a plane, too.
+template <class Base>
+struct EntropyMap : Layout<EntropyMap<Base>> {
+    static constexpr int before = Base::n_groups, first = Base::n_local, behind = Base::n_strains;
+    static constexpr int columns = Base::groups[0].components + 1;
+    static constexpr int n_groups = before + 2, n_components = Base::n_components + 2,
+                         n_local = first + 2 * columns, n_strains = behind + 8;
+    static constexpr auto groups = [] {
+        std::array<Group, n_groups> found{};
+        for (int g = 0; g < before; ++g) found[g] = Base::groups[g];
+        found[before] = {1, columns, 1}, found[before + 1] = {1, columns, 0, true};
+        return found;
+    }();
+    static constexpr bool couples(int g, int h) { return g >= before || h <= before; }
+    static constexpr int tested(int g) { return g == before + 1 ? 1 : groups[g].columns; }
+    static constexpr int tried(int g) { return g == before ? 1 : groups[g].columns; }
+    static constexpr double origin(int j) { return j < first ? Base::origin(j) : 0.0; }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
-        right_cauchy_green(y, e);
-        for (int k = 0; k < 8; ++k) e[6 + k] = y[9 + k];
+        Base::strains(y, e);
+        for (int k = 0; k < 4; ++k) {
+            e[behind + k] = k < columns ? y[first + k] : 0.0 * y[0];
+            e[behind + 4 + k] = k < columns ? y[first + columns + k] : 0.0 * y[0];
+        }
     }
 };
 

@@ -3,7 +3,6 @@
 // guard.
 // clang-format off
 VISVIVA_PHYSICS(viscoelastic, VISCOELASTIC, SolidMap, ViscoelasticEnergy)  // C, with internal variables
-VISVIVA_PHYSICS(thermoelastic, THERMOELASTIC, SolidEntropyMap, ThermoelasticEnergy, HeatPairing)  // C, entropy, temperature
 VISVIVA_PHYSICS(damage, DAMAGE, SolidScalarMap, DamageEnergy, IrreversiblePairing)  // C, damage and its gradient
 VISVIVA_PHYSICS(cahn_hilliard, CAHN_HILLIARD, ConcentrationMap, SeparationEnergy, DiffusionPairing)  // c, mu, their gradients
 VISVIVA_PHYSICS(beam, BEAM, BeamMap, SectionEnergy<6>)  // of directors: Gamma, K

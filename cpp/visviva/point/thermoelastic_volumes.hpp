@@ -6,13 +6,14 @@
 
 namespace visviva::VISVIVA_ISA {
 
-/// F-bar: C at the point and C0 at the element's centre, which tells J.
+/// F-bar: C at the point and C0 at the element's centre, which tells J; in plane strain that of the plane.
+template <int directions>
 struct CentreVolume {
     static constexpr int n = 12;
     static constexpr double weight(int k) { return tensor_weight(k); }
     template <bool second>
     static void evaluate(const MaterialEnergy& energy, const V* e, Potential<n>& w, Potential<n>& log_j) {
-        FbarEnergy<MaterialEnergy>{{}, energy, false, 3}.evaluate<second>(e, w);
+        FbarEnergy<MaterialEnergy>{{}, energy, false, directions}.evaluate<second>(e, w);
         Response centre;
         VolumeEnergy{{}, VolumeMeasure::logarithm, V{}}.evaluate<second>(e + 6, centre);
         log_j.W = centre.W;
@@ -24,21 +25,22 @@ struct CentreVolume {
     }
 };
 
-/// (C, C0, s, grad s, theta, grad theta): gradients of positions at the point and at the centre.
-struct CentreEntropyMap : Layout<CentreEntropyMap> {
-    static constexpr bool couples(int g, int h) { return SolidEntropyMap::couples(g, h); }
-    static constexpr int tested(int g) { return g == 2 ? 1 : groups[g].columns; }
-    static constexpr int tried(int g) { return g == 1 ? 1 : groups[g].columns; }
-    static constexpr int n_groups = 3, n_components = 5, n_local = 26, n_strains = 20;
-    static constexpr Group groups[] = {{3, 6, 2}, {1, 4, 1}, {1, 4, 0, true}};
-    static constexpr double origin(int j) { return j < 18 && j / 6 == j % 3 ? 1.0 : 0.0; }
+/// (C, C0) of a map, with the weights of the point and of the centre.
+template <class Base>
+struct CentreMap : Layout<CentreMap<Base>> {
+    static constexpr int components = Base::groups[0].components, columns = Base::groups[0].columns;
+    static constexpr int n_groups = 1, n_components = components, n_local = 2 * Base::n_local, n_strains = 12;
+    static constexpr Group groups[] = {{components, 2 * columns, 2}};
+    static constexpr double origin(int j) { return Base::origin(j / (2 * columns) * columns + j % columns); }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
-        T F[9] = {}, centre[9] = {};
-        for (int i = 0; i < 3; ++i)
-            for (int k = 0; k < 3; ++k) F[3 * i + k] = y[6 * i + k], centre[3 * i + k] = y[6 * i + 3 + k];
-        right_cauchy_green(F, e), right_cauchy_green(centre, e + 6);
-        for (int k = 0; k < 8; ++k) e[12 + k] = y[18 + k];
+        T at[Base::n_local] = {}, centre[Base::n_local] = {};
+        for (int i = 0; i < components; ++i)
+            for (int k = 0; k < columns; ++k) {
+                at[columns * i + k] = y[2 * columns * i + k];
+                centre[columns * i + k] = y[2 * columns * i + columns + k];
+            }
+        Base::strains(at, e), Base::strains(centre, e + 6);
     }
 };
 
@@ -116,8 +118,9 @@ struct VolumePressureEnergy : PlainEnergy {
     }
 };
 
-/// (C, G, s, p, grad s, theta, grad theta)
-struct VolumePressureMap : Layout<VolumePressureMap> {
+/// (C, G, s, p, grad s, theta, grad theta) with the C of a map
+template <class Base>
+struct VolumePressureMap : Layout<VolumePressureMap<Base>> {
     static constexpr bool couples(int g, int h) {
         constexpr bool table[5][5] = {
             {1, 1, 1, 0, 1}, {1, 1, 1, 0, 1}, {1, 0, 1, 1, 0}, {1, 1, 1, 1, 0}, {1, 1, 0, 0, 0}};
@@ -125,14 +128,21 @@ struct VolumePressureMap : Layout<VolumePressureMap> {
     }
     static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }
     static constexpr int tried(int g) { return g == 2 ? 1 : groups[g].columns; }
-    static constexpr int n_groups = 5, n_components = 7, n_local = 19, n_strains = 16;
-    static constexpr Group groups[] = {{3, 3, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}, {1, 1, 0, true}};
-    static constexpr double origin(int j) { return identity_entry(j); }
+    static constexpr int columns = Base::groups[0].components + 1, first = Base::n_local;
+    static constexpr int n_groups = 5, n_components = Base::n_components + 4,
+                         n_local = first + 2 * columns + 2, n_strains = 16;
+    static constexpr Group groups[] = {
+        Base::groups[0], {1, 1, 0}, {1, columns, 1}, {1, columns, 0, true}, {1, 1, 0, true}};
+    static constexpr double origin(int j) { return j < first ? Base::origin(j) : 0.0; }
     template <class T>
     static constexpr void strains(const T* y, T* e) {
-        right_cauchy_green(y, e);
-        e[6] = y[9], e[7] = y[10], e[8] = y[18];
-        for (int k = 0; k < 7; ++k) e[9 + k] = y[11 + k];
+        const T *G = y + first, *s = G + 1, *theta = s + columns, *p = theta + columns;
+        Base::strains(y, e);
+        e[6] = G[0], e[7] = s[0], e[8] = p[0], e[12] = theta[0];
+        for (int k = 1; k < 4; ++k) {
+            e[8 + k] = k < columns ? s[k] : 0.0 * y[0];
+            e[12 + k] = k < columns ? theta[k] : 0.0 * y[0];
+        }
     }
 };
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from visviva.mesh.quadrature import Rule, mass_rule, stiffness_rule
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,17 @@ class Geometry:
     gradients: Array
     volume: Array
     hoop: Array | None
+
+    @property
+    def columns(self) -> Array:
+        """Weights (m, q, k, c) of what strains are made of: gradients, and behind them those of the hoop stretch."""
+        if self.hoop is None:
+            return self.gradients
+        return np.concatenate([self.gradients, self.hoop[..., None]], axis=3)
+
+    def chosen(self, kinds: tuple[T, T, T]) -> T:
+        """What is for these elements, of what is for those in space, in a plane, and of revolution."""
+        return kinds[0 if self.gradients.shape[3] == 3 else 1 if self.hoop is None else 2]
 
 
 def depth(points: Array, nodes: Ints, N: Array, thickness: float, axisymmetric: bool) -> Array:

@@ -45,11 +45,8 @@ class StressedCells:
 
     def strains(self, x: Array, some: slice = slice(None)) -> tuple[Array, Array]:
         """Deformation gradients (m, q, 3, 3) and C (m, q, 6)."""
-        vectors, d = self.vectors(x, some), self.gradients.shape[3]
-        F = np.zeros((*self.volume[some].shape, 3, 3))
-        F[..., :d] = np.einsum("mqkj,mki->mqij", self.gradients[some], vectors)
-        if d == 2:
-            F[..., 2, 2] = 1.0 if self.hoop is None else self.hoop[some] @ vectors[:, :, :1] @ [1.0]
+        hoop = None if self.hoop is None else self.hoop[some]
+        F = deformation(self.gradients[some], self.vectors(x, some), hoop)
         return F, components(np.swapaxes(F, -1, -2) @ F)
 
     def fields(self, x: Array, start: int, stop: int) -> Array:
@@ -63,12 +60,13 @@ class StressedCells:
         """Residuals (m, k, 3) by nodes of the strained cells."""
         F, C = self.strains(x)
         S, _ = self.respond(x, self.nodes, C)
-        P, d = F @ S[..., FULL], self.gradients.shape[3]
-        of_nodes = self.gradients[:, :, : self.nodes.shape[1]]
-        found = np.einsum("mq,mqij,mqkj->mki", self.volume, P[..., :d], of_nodes)
-        if self.hoop is not None:
-            found[..., 0] += np.einsum("mq,mq,mqk->mk", self.volume, P[..., 2, 2], self.hoop)
-        return np.asarray(found)
+        return self.by_nodes(F @ S[..., FULL])
+
+    def by_nodes(self, P: Array) -> Array:
+        """Residuals (m, k, 3) of first Piola-Kirchhoff stresses (m, q, 3, 3)."""
+        k = self.nodes.shape[1]
+        hoop = None if self.hoop is None else self.hoop[:, :, :k]
+        return residuals(P, self.volume, self.gradients[:, :, :k], hoop)
 
     def elements(self, cell: str, first: int) -> Elements:
         """These as elements of a solid, numbered from `first` on."""
@@ -76,3 +74,24 @@ class StressedCells:
         return Elements(
             cell=cell, nodes=self.nodes, numbers=numbers, thermal=None, term=self, volume=self.volume
         )
+
+
+def deformation(gradients: Array, vectors: Array, hoop: Array | None) -> Array:
+    """Deformation gradients (m, q, 3, 3) of vectors (m, k, 3) by the gradients (m, q, k, d) of their functions.
+
+    In the plane nothing stretches across, or what the weights (m, q, k) of the hoop stretch say.
+    """
+    d = gradients.shape[3]
+    F = np.zeros((*gradients.shape[:2], 3, 3))
+    F[..., :d] = np.einsum("mqkj,mki->mqij", gradients, vectors)
+    if d == 2:
+        F[..., 2, 2] = 1.0 if hoop is None else hoop @ vectors[:, :, :1] @ [1.0]
+    return F
+
+
+def residuals(P: Array, volume: Array, gradients: Array, hoop: Array | None) -> Array:
+    """What stresses P (m, q, 3, 3) in volumes (m, q) exert on vectors (m, k, 3), see `deformation`."""
+    found = np.einsum("mq,mqij,mqkj->mki", volume, P[..., : gradients.shape[3]], gradients)
+    if hoop is not None:
+        found[..., 0] += np.einsum("mq,mq,mqk->mk", volume, P[..., 2, 2], hoop)
+    return np.asarray(found)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+BRANCH = (PhysicsKind.BRANCH, PhysicsKind.BRANCH_IN_PLANE, PhysicsKind.BRANCH_OF_REVOLUTION)
 
 
 class Branched:
@@ -98,15 +99,7 @@ class ViscoelasticSolid(Branched, Solid):
     def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
         made = super()._elements_of(model, cell, nodes, first, some)
         g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
-        kind, weights = PhysicsKind.BRANCH, g.gradients
-        if self.dimension == 2:
-            kind = PhysicsKind.BRANCH_IN_PLANE
-            if g.hoop is not None:
-                kind, weights = (
-                    PhysicsKind.BRANCH_OF_REVOLUTION,
-                    np.concatenate([weights, g.hoop[..., None]], axis=3),
-                )
+        group = Group(self.node_unknowns(nodes), g.columns, None, True)
         for constants in self._constants:
-            group = Group(self.node_unknowns(nodes), weights, None, True)
-            add_points(model, self, kind, [group], g.volume, constants)
+            add_points(model, self, g.chosen(BRANCH), [group], g.volume, constants)
         return made

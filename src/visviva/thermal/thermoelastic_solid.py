@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, solid_rule
+from visviva.body.element import Geometry, geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
@@ -40,8 +40,24 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-KINDS = {"F-bar": PhysicsKind.THERMOELASTIC_FBAR, "mixed": PhysicsKind.THERMOELASTIC_MIXED}
-"""Physics of formulations whose change of volume is not that of the point."""
+POINTWISE = (
+    PhysicsKind.THERMOELASTIC,
+    PhysicsKind.THERMOELASTIC_IN_PLANE,
+    PhysicsKind.THERMOELASTIC_OF_REVOLUTION,
+)
+DILATED = {
+    "F-bar": (
+        PhysicsKind.THERMOELASTIC_FBAR,
+        PhysicsKind.THERMOELASTIC_FBAR_IN_PLANE,
+        PhysicsKind.THERMOELASTIC_FBAR_OF_REVOLUTION,
+    ),
+    "mixed": (
+        PhysicsKind.THERMOELASTIC_MIXED,
+        PhysicsKind.THERMOELASTIC_MIXED_IN_PLANE,
+        PhysicsKind.THERMOELASTIC_MIXED_OF_REVOLUTION,
+    ),
+}
+"""Physics in space, in a plane and of revolution; with a change of volume that is not that of the point."""
 LOCKING, SWINGING = 1.0, 20.0
 """Couplings of heat and strains from which on linear cells lock (``benchmarks/held_heat.py``), and steps swing."""
 
@@ -50,7 +66,7 @@ LOCKING, SWINGING = 1.0, 20.0
 class ThermoelasticSolid(Solid, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
-    Takes the arguments of `Solid`, on meshes in space, and
+    Takes the arguments of `Solid`, in space, in plane strain or axisymmetric, and
 
     Parameters
     ----------
@@ -112,15 +128,20 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     def body_material(self) -> Material:
         return self.heat.material(self.material)
 
+    @property
+    def _brick(self) -> str:
+        """The cell that formulations against locking are for."""
+        return forms.BRICKS[self.grid.dimension - 2]
+
     def _refuse_others(self) -> None:
-        if self.grid.dimension != 3:
+        if self.plane == "stress":
             raise InputError(
-                f"{self.label}: needs a mesh in space; a plane problem is one layer of cells there"
+                f"{self.label}: plane = 'stress' does not know heat yet; take 'strain', or one layer of cells in space"
             )
-        if self.formulation in KINDS and self.heat.energy() is not None:
+        if self.formulation in DILATED and self.heat.energy() is not None:
             raise InputError(
                 f"{self.label}: formulation = {self.formulation!r} is not for {type(self.heat).__name__}; take "
-                "'enhanced' with hex8, or 'displacement' with cells of second order"
+                f"'enhanced' with {self._brick}, or 'displacement' with cells of second order"
             )
         if self.formulation == "mixed":
             self._refuse_pressures()
@@ -139,7 +160,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         if equal:
             raise InputError(
                 f"{self.label}: pressures of {', '.join(equal)} would oscillate beside temperatures; take cells of "
-                "second order with formulation='mixed', or hex8"
+                f"second order with formulation='mixed', or {self._brick}"
             )
         if not np.isfinite(self.body_material.lame[0]):
             raise InputError(
@@ -167,7 +188,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         if number >= LOCKING and linear and self.formulation == "displacement":
             found.append(
                 f"{said}, so that it hardly changes its volume without heat, and linear cells lock: take "
-                "formulation='enhanced', 'F-bar' or 'mixed' with hex8, or cells of second order"
+                f"formulation='enhanced', 'F-bar' or 'mixed' with {self._brick}, or cells of second order"
             )
         if number >= SWINGING:
             found.append(
@@ -201,14 +222,22 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         positions = self.node_unknowns(nodes)
         if self.formulation != "enhanced":
             return np.asarray(positions, dtype=np.int64)
-        modes = self._inner.start + 9 * (first + np.arange(len(nodes)))[:, None] + np.arange(0, 9, 3)
+        d, numbers = self.dimension, first + np.arange(len(nodes))
+        modes = self._inner.start + d * d * numbers[:, None] + d * np.arange(d)
         return np.hstack([positions, modes])
 
-    def _geometry(self, cell: str, nodes: Ints, rule: Rule) -> Any:
-        g = geometry(self.grid.points, nodes, cell, rule=rule)
+    def _geometry(self, cell: str, nodes: Ints, rule: Rule) -> Geometry:
+        g = geometry(
+            self.grid.points,
+            nodes,
+            cell,
+            rule=rule,
+            thickness=self.thickness,
+            axisymmetric=self.axisymmetric,
+        )
         return forms.enhanced(self.grid.points, nodes, cell, g) if self.formulation == "enhanced" else g
 
-    def _groups(self, cell: str, nodes: Ints, first: int, g: Any, rule: Rule) -> list[Group]:
+    def _groups(self, cell: str, nodes: Ints, first: int, g: Geometry, rule: Rule) -> list[Group]:
         """Positions, entropies and temperatures of cells, with values and gradients of the latter, and what else."""
         N = CELLS[cell].N(rule.points)
         k = nodes.shape[1]
@@ -217,11 +246,11 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         scalar = np.concatenate([of_value, gradients], axis=3)
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None
         if mass is not None and self.formulation == "enhanced":
-            mass = forms.without_mass(mass, k, 3)
-        of_vectors = g.gradients
+            mass = forms.without_mass(mass, k, self.dimension)
+        of_vectors = g.columns
         if self.formulation == "F-bar":
-            centre = np.broadcast_to(self._gradients_at_centre(cell, nodes)[:, None], gradients.shape)
-            of_vectors = np.concatenate([gradients, centre], axis=3)
+            centre = np.broadcast_to(self._centre_of(cell, nodes).columns, of_vectors.shape)
+            of_vectors = np.concatenate([of_vectors, centre], axis=3)
         groups = [
             Group(self._vectors(nodes, first), of_vectors, mass, True),
             Group(self.entropy.start + self._number[nodes], scalar),
@@ -233,9 +262,9 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             groups = [groups[0], Group(own, shapes), *groups[1:], Group(own + 1, shapes)]
         return groups
 
-    def _gradients_at_centre(self, cell: str, nodes: Ints) -> Array:
-        """Gradients (m, k, 3) at the centres of cells."""
-        return forms.centre(self.grid.points, nodes, cell, axisymmetric=False).gradients[:, 0]
+    def _centre_of(self, cell: str, nodes: Ints) -> Geometry:
+        """Gradients at the centres of cells."""
+        return forms.centre(self.grid.points, nodes, cell, axisymmetric=self.axisymmetric)
 
     def _volumes(self, cell: str) -> Ints:
         """Unknowns (m, p) of the change of volume of cells."""
@@ -250,11 +279,12 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             return S, e
 
         def deforming(x: Array, some: slice) -> Array:
-            return np.asarray(x[vectors[some, :, None] + np.arange(3)])
+            found = x[vectors[some, :, None] + np.arange(self.dimension)]
+            return np.pad(found, ((0, 0), (0, 0), (0, 3 - self.dimension)))
 
-        common = (nodes, g.gradients, g.volume, N, deforming, respond)
+        common = (nodes, g.gradients, g.volume, N, deforming, respond, g.hoop)
         if self.formulation == "F-bar":
-            return CentreCells(*common, centre=self._gradients_at_centre(cell, nodes))
+            return CentreCells(*common, centre=self._centre_of(cell, nodes))
         if self.formulation == "mixed":
             shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
             return PressedCells(*common, shapes=shapes, numbers=self._volumes(cell))
@@ -272,7 +302,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self._groups(cell, nodes, first, g, rule),
             self.heat.parameters(self.body_material),
         )
-        kind, energy = KINDS.get(self.formulation, PhysicsKind.THERMOELASTIC), self.heat.energy()
+        kind, energy = g.chosen(DILATED.get(self.formulation, POINTWISE)), self.heat.energy()
         self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
         self._evaluations.append(self._stressed(cell, nodes, first, rule))
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+BRANCH = (
+    PhysicsKind.HEATED_BRANCH,
+    PhysicsKind.HEATED_BRANCH_IN_PLANE,
+    PhysicsKind.HEATED_BRANCH_OF_REVOLUTION,
+)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -79,11 +84,11 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
         rule = mass_rule(cell)
         g, N = self._geometry(cell, nodes, rule), CELLS[cell].N(rule.points)[:, :, None]
         groups = [
-            Group(self._vectors(nodes, first), g.gradients, None, True),
+            Group(self._vectors(nodes, first), g.columns, None, True),
             Group(self.algorithmic.start + self._number[nodes], N),
             Group(self.entropy.start + self._number[nodes], N),
         ]
         for constants in self._constants:
-            branch = add_points(model, self, PhysicsKind.HEATED_BRANCH, groups, g.volume, constants)
+            branch = add_points(model, self, g.chosen(BRANCH), groups, g.volume, constants)
             branch.entropy_account = model.account(self, "viscosity", PRODUCED)
         return made
