@@ -41,6 +41,21 @@ def test_a_uniform_cell_deforms_alike(kind: str) -> None:
     np.testing.assert_allclose(body.displacements(system.x), body.points @ GRADIENT.T, atol=1e-9)
 
 
+def test_statics_tells_nothing_of_velocities(capsys: pytest.CaptureFixture[str]) -> None:
+    """Means that follow time have rates, but load steps have none."""
+    cell = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+        material=vv.SaintVenantKirchhoff(young=10.0, poisson=0.0),
+    )
+    pairs = [("x0", "x1"), ("y0", "y1"), ("z0", "z1")]
+    sides = vv.PeriodicFaces(solid=cell, pairs=pairs, strain=(0.1, 0.0, 0.0), times="t")
+    system = vv.System([cell, sides, vv.Fixed(solid=cell, nodes=np.array([0]))])
+    result = vv.quasi_static(system, until=1.0, step=0.5)
+    assert result.ledger.moves == []
+    assert "moved" not in capsys.readouterr().err
+    assert not system.v.any()
+
+
 def test_a_cell_that_swings_keeps_energy_and_momentum() -> None:
     body = cell(density=1.0, velocity=lambda X: np.sin(2 * np.pi * X / [1, 0.9, 1.1]) * 0.2)
     system = vv.System([body, vv.PeriodicFaces(solid=body, pairs=ALL_SIDES)])

@@ -31,6 +31,26 @@ def pulled(traction: Any, cell: str = "hex8", **options: Any) -> tuple[vv.System
     return system, solid
 
 
+def test_components_of_fields_are_fields() -> None:
+    system, solid = pulled((3.0, 0, 0))
+    at = (1.0, 0.1, 0.1)
+    whole = vv.FieldAt(solid=solid, field="cauchy", at=at)(system)
+    for k, part in enumerate(("xx", "yy", "zz", "xy", "yz", "zx")):
+        probe = vv.FieldAt(solid=solid, field=f"cauchy_{part}", at=at)
+        assert probe(system) == whole[k]
+        assert probe.quantity == "stress"
+        assert probe.parts == ()
+    greatest = vv.Extreme(solid=solid, field="cauchy_xx", which="max")(system)
+    assert isinstance(greatest, float)
+    assert greatest == pytest.approx(3.0, abs=1e-9)
+
+
+def test_fields_that_are_not_there_are_refused_with_those_that_are() -> None:
+    for field, known in (("stress", "It has J, .*von_mises"), ("xyz", "there are J, .*von_mises")):
+        with pytest.raises(vv.InputError, match=rf"Solid.*: there is no field '{field}'.*{known}.*cauchy_xx"):
+            vv.FieldAt(solid=bar(), field=field, at=(1.0, 0.1, 0.1))
+
+
 @pytest.mark.parametrize("cell", ["hex8", "hex20", "tet10", "wedge6"])
 def test_uniaxial_bar(cell: str) -> None:
     """Stress t, strain t / E, force t A; everywhere and exactly, as it is linear."""

@@ -150,6 +150,54 @@ def test_a_mesh_that_is_cut_open_has_two_faces_there() -> None:
         mesh.opened(lambda X: X[:, 0] < 0.1, lambda X: X[:, 1] > 2)
 
 
+def test_lips_of_a_cut_are_sets_of_faces() -> None:
+    """Of two cuts with each cell turned to one side, in the plane and in space, with nodes on edges."""
+    plane = plate_mesh(4)
+    lower, upper = plane.faces("slit0"), plane.faces("slit1")
+    assert lower.n_faces == upper.n_faces == 2
+    assert lower.area(plane.points) == upper.area(plane.points) == pytest.approx(0.5)
+    (tip,) = np.intersect1d(lower.nodes, upper.nodes)
+    assert plane.points[tip] == pytest.approx([0.5, 0.0], abs=1e-9)
+    sides = [plane.centres[np.concatenate([*lip.owners.values()]), 1] for lip in (lower, upper)]
+    assert sides[0].max() < 0 < sides[1].min()
+    block = vv.BoxMesh(size=(1, 1, 1), counts=(4, 4, 4), cell="hex20").build()
+    for height in (0.25, 0.75):
+        block = block.opened(
+            lambda X, z=height: (np.abs(X[:, 2] - z) < 1e-9) & (X[:, 0] < 0.5 - 1e-9),
+            lambda X, z=height: X[:, 2] > z,
+        )
+    assert block.faces("slit0").area(block.points) == pytest.approx(1.0)
+    assert block.faces("slit1").facing(block.points, (0, 0, -1)).n_faces == block.faces("slit1").n_faces == 16
+
+
+def test_pressure_on_the_lips_opens_a_crack() -> None:
+    """As much as tractions far away do: what a closed plate carries evenly is added (superposition)."""
+    mesh, opened = plate_mesh(8), []
+    mouth = mesh.select_nodes(lambda X: (np.abs(X[:, 1]) < 1e-9) & (X[:, 0] < 1e-9))
+    right = mesh.select_nodes(lambda X: X[:, 0] > 1 - 1e-9)
+    for faces in (("slit0", "slit1"), ("y0", "y1")):
+        solid = vv.Solid(mesh=mesh, material=vv.LinearElastic(young=1.0, poisson=0.2))
+        sign = 1e-3 if faces[0] == "slit0" else -1e-3
+        loads = [vv.Pressure(solid=solid, faces=name, pressure=sign, follower=False) for name in faces]
+        held = [
+            vv.Fixed(solid=solid, nodes=right, directions=(True, False, False)),
+            vv.Fixed(solid=solid, nodes=right[:1]),
+        ]
+        system = vv.System([solid, *held, *loads])
+        vv.quasi_static(system, until=1.0, step=1.0)
+        opened.append(np.ptp(solid.positions(system.x)[mouth, 1]))
+    assert opened[0] == pytest.approx(opened[1], rel=1e-9)
+    assert opened[0] > 1e-3
+
+
+def test_growth_of_crack_control_is_asked_for() -> None:
+    for growth in (0.0, -1.0):
+        with pytest.raises(
+            vv.InputError, match=r"^vv\.CrackControl: growth = .* is not positive; give the area"
+        ):
+            vv.CrackControl(growth=growth)
+
+
 def test_a_cracking_body_that_is_jointed() -> None:
     """A plate hung on a hinge by a coupling of its edge falls, with a weight, and cracks; energy and momenta close."""
     solid = plate(density=1e-3, model="AT1")

@@ -40,6 +40,11 @@ class CrackControl(ArcLength):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if not self.growth > 0:
+            raise InputError(
+                f"vv.CrackControl: growth = {self.growth:g} is not positive; give the area of crack that a step may "
+                "grow by, such as that of a cell (in the plane its size times the thickness): growth=..."
+            )
         bounded(self, growth=(1e-300, 1e300))
         if self.branch:
             raise InputError("vv.CrackControl: branch goes with vv.ArcLength alone")

@@ -168,7 +168,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     if system.report is None or (system.stepper.is_edited and not still_fits(system)):
         from visviva.system.check import fit
 
-        system.report = fit(system, project=project)
+        system.report = fit(system, project=project, moving=scheme.has_inertia)
     if system.is_given:
         settle(system)
         if scheme.has_inertia:

@@ -19,7 +19,7 @@ from visviva.component.values import Nodes, Vector3
 from visviva.component.where import point_of
 from visviva.load.support import SymmetryPlane
 from visviva.measure.measures import Reading, remembers, touches
-from visviva.measure.names import parts_of, quantity_of
+from visviva.measure.names import SINGLE, parts_of, quantity_of
 from visviva.mesh.locate import locate
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ class FieldAt(Reading):
     ----------
     solid : Solid, ThermalBody, CahnHilliard or another body on a mesh
     field : str
-        See `Solid.nodal`.
+        See `Solid.nodal`; or a component of it, such as ``cauchy_xx``.
     at : array (3,)
         Reference position.
 
@@ -130,8 +130,9 @@ class FieldAt(Reading):
         return locate(self.solid.grid, self.at[: self.solid.dimension], self.solid.label)
 
     def __call__(self, system: System) -> Any:
-        nodes, weights = self._place
-        return np.tensordot(weights, self.solid.smoothed([self.field], system.x)[self.field][nodes], axes=1)
+        (nodes, weights), (whole, part) = self._place, within(self.field)
+        found = np.tensordot(weights, self.solid.smoothed([whole], system.x)[whole][nodes], axes=1)
+        return found if part is None else found[part]
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -142,7 +143,7 @@ class Extreme(Reading):
     ----------
     solid : Solid
     field : str
-        See `Solid.nodal`; of a field with components, the extreme of each.
+        See `Solid.nodal`; of a field with components, the extreme of each, or of one, such as ``cauchy_xx``.
     which : {'max', 'min'}
     """
 
@@ -162,9 +163,10 @@ class Extreme(Reading):
         width_of(self.solid, self.field)
 
     def __call__(self, system: System) -> Any:
-        values = self.solid.at_points(self.field, system.x)
+        whole, part = within(self.field)
+        values = self.solid.at_points(whole, system.x)
         found = values.max(axis=0) if self.which == "max" else values.min(axis=0)
-        return float(found[0]) if width_of(self.solid, self.field) == 1 else found
+        return float(found[part or 0]) if width_of(self.solid, self.field) == 1 else found
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
@@ -402,17 +404,26 @@ def nodal_volume(body: MeshBody, cells: NDArray[np.bool_]) -> Array:
 
 
 def width_of(body: Meshed, field: str) -> int:
-    """Number of components of a field.
+    """Number of components of a field, which may be a component itself.
 
     Raises
     ------
     InputError
-        With the nearest valid name.
+        With the nearest valid name, and all.
     """
-    widths = body.widths()
-    if field not in widths:
-        raise InputError(f"there is no field {field!r}{nearest(field, widths)}")
-    return widths[field]
+    widths, (whole, part) = body.widths(), within(field)
+    if whole not in widths:
+        close = nearest(field, widths)
+        every = f" It has {', '.join(sorted(widths))}." if close.endswith("?") else ""
+        raise InputError(
+            f"{body.label}: there is no field {field!r}{close}{every} Components are fields, too, such as cauchy_xx"
+        )
+    return widths[whole] if part is None else 1
+
+
+def within(field: str) -> tuple[str, int | None]:
+    """The field that a component such as ``cauchy_xx`` is of, and its number there; None for whole fields."""
+    return SINGLE.get(field, (field, None))
 
 
 def along(vector: Array, direction: Array | None) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,13 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.mesh.cells import Ints
-from visviva.mesh.faces import Faces
+from visviva.mesh.faces import Faces, boundary, corner_rows, union
 
 if TYPE_CHECKING:
     from visviva.mesh.mesh import Mesh
+
+LIPS = "slit0", "slit1"
+"""Names of the sets of faces that a cut leaves."""
 
 
 def opened(mesh: Mesh, along: Ints, beyond: Ints) -> Mesh:
@@ -39,9 +43,23 @@ def opened(mesh: Mesh, along: Ints, beyond: Ints) -> Mesh:
             "Mesh: opened separates nothing: there must be nodes along the cut, and each needs cells on both sides"
         )
     faces = {name: _faces(found, double, is_beyond) for name, found in mesh.face_sets.items()}
+    for name, lip in zip(LIPS, _lips(mesh, cells, along, is_beyond), strict=True):
+        faces[name] = union([faces[name], lip]) if name in faces else lip
     nodes = {name: np.union1d(found, double[found]) for name, found in mesh.node_sets.items()}
     points = np.concatenate([mesh.points, mesh.points[along]])
     return replace(mesh, points=points, cells=cells, face_sets=faces, node_sets=nodes)
+
+
+def _lips(
+    mesh: Mesh, cells: Mapping[str, Ints], along: Ints, is_beyond: NDArray[np.bool_]
+) -> tuple[Faces, Faces]:
+    """Faces that bound the open mesh, and did not bound the closed one: of cells that keep them, and beyond."""
+    of = np.concatenate([np.arange(mesh.n_nodes), along])
+    known, bound = set(corner_rows(mesh.boundary())), boundary(cells)
+    closed = Faces({name: of[rows] for name, rows in bound.cells.items()}, bound.owners)
+    is_new = np.array([row not in known for row in corner_rows(closed)], dtype=bool)
+    owners = np.concatenate([np.zeros(0, dtype=np.int64), *bound.owners.values()])
+    return bound.where(is_new & ~is_beyond[owners]), bound.where(is_new & is_beyond[owners])
 
 
 def _faces(faces: Faces, double: Ints, is_beyond: NDArray[np.bool_]) -> Faces:

@@ -309,14 +309,15 @@ class Mesh(metaclass=Named):
     def opened(self, along: Predicate, beyond: Predicate) -> Mesh:
         """The mesh cut open: nodes are doubled where `along` says so of positions, cells `beyond` have the second ones.
 
-        The end of a cut, where its faces meet, is not `along` it.
+        The end of a cut, where its faces meet, is not `along` it. Its lips are the sets of faces ``slit0`` and, of the
+        cells `beyond`, ``slit1``, of all cuts together.
 
         Examples
         --------
         >>> from visviva import RectangleMesh
         >>> plate = RectangleMesh(size=(2, 2), counts=(2, 2)).build()
         >>> plate.opened(lambda X: (X[:, 1] == 1) & (X[:, 0] < 1), lambda X: X[:, 1] > 1)
-        <Mesh: 10 nodes, 4 quad4; sets: x0, x1, y0, y1>
+        <Mesh: 10 nodes, 4 quad4; sets: x0, x1, y0, y1, slit0, slit1>
         """
         return cut.opened(self, self.select_nodes(along), self.select_cells(beyond))
 

@@ -50,7 +50,8 @@ REMEMBERING = {
 class FracturingSolid(Solid):
     """A solid that cracks: its nodes have damages beside positions.
 
-    Takes the arguments of `Solid`, with ``formulation="displacement"``, and
+    Takes the arguments of `Solid`, with ``formulation="displacement"``, in space, plane strain or axisymmetric (cracks
+    are of revolution then, areas and energies those of the whole turn), and
 
     Parameters
     ----------
@@ -150,7 +151,10 @@ class FracturingSolid(Solid):
     def _refuse_others(self) -> None:
         if self.formulation != "displacement" or self.plane == "stress":
             what = "plane = 'stress'" if self.plane == "stress" else f"formulation = {self.formulation!r}"
-            raise InputError(f"{self.label}: {what} does not crack yet; take strains of displacements")
+            raise InputError(
+                f"{self.label}: {what} does not crack yet; take formulation = 'displacement' in space, or with "
+                "plane = 'strain' or 'axisymmetric'"
+            )
         if self.material.small or self.material.energy is not None:
             raise InputError(
                 f"{self.label}: {type(self.material).__name__} is no material of finite strains of the core; for small "

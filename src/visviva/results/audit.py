@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from visviva.body.mesh_body import MeshBody
 from visviva.component.announcements import Unbooked
 from visviva.flow.fluid import Fluid
+from visviva.model.field import Role
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
@@ -206,7 +207,10 @@ def energy_verdict(result: Result) -> str:
     if CONSERVED < gained <= missed:
         of = " and ".join([*ledger.works, *ledger.heats])
         return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    if not scheme.dissipates or ledger.entropy or ledger.heats:  # it damps motion, and heat either way
+    spreads = any(f.role is Role.CONTENT for f in result.system.model.fields)
+    if (
+        not scheme.dissipates or ledger.entropy or ledger.heats or spreads
+    ):  # it damps motion, the rest either way
         return "not meant to be conserved by this scheme, see how it falls with the step"
     if gained > OVERSHOOT * lost + CONSERVED:
         return (

@@ -239,8 +239,10 @@ def report_of_free(system: System) -> CheckReport:
     )
 
 
-def fit(system: System, *, project: bool = False) -> CheckReport:
+def fit(system: System, *, project: bool = False, moving: bool = True) -> CheckReport:
     """Check a system before its first step, and tell what of its initial state was moved onto the constraints.
+
+    Of what is not `moving`, velocities mean nothing.
 
     Raises
     ------
@@ -250,6 +252,8 @@ def fit(system: System, *, project: bool = False) -> CheckReport:
     """
     x, v, edited = system.x.copy(), system.v.copy(), system.stepper.is_edited
     report = check(system, tangents=False)
+    if not moving:
+        system.v[:] = v
     report.moves, far = told_moves(system, x, v, edited)
     if far and not project:
         system.x[:], system.v[:] = x, v
