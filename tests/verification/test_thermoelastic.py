@@ -353,11 +353,17 @@ def ideal(C: Any, T: Any) -> Any:
     return 0.5 * (C[0] + C[1] + C[2] - 3) + T - 20 - T * np.log(T / 20)
 
 
+def rubber(C: Any, T: Any) -> Any:
+    J2 = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+    log = np.log(J2 + C[5] * (C[3] * C[4] - C[1] * C[5]))
+    return ideal(C, T) - 0.5 * log + 2 * log**2
+
+
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"temperature": -3.0}, "absolute zero"),
     (
-        {"formulation": "F-bar", "material": None, "heat": vv.UserHeat(function=ideal, conductivity=1.0)},
-        "'F-bar' is not for UserHeat; take 'enhanced'",
+        {"formulation": "mixed", "material": None, "heat": vv.UserHeat(function=rubber, conductivity=1.0)},
+        "'mixed' is not for UserHeat; take 'F-bar' or 'enhanced' with hex8",
     ),
     (
         {"formulation": "mixed", "mesh": vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), cell="tet4")},

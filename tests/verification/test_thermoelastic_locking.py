@@ -161,3 +161,45 @@ def test_a_rod_of_rubber_warms_when_it_is_pulled(cell: str, formulation: Any) ->
     assert rod.temperatures(system.x) - reference == pytest.approx(warmed, rel=1e-3)
     volumes = np.linalg.det(rod.fields(system.x).F)
     assert volumes == pytest.approx(1.0, abs=2e-4)
+
+
+@pytest.mark.parametrize("plane", [False, True])
+def test_free_energies_of_users_do_not_lock_with_f_bar(plane: bool) -> None:
+    """Both laws, and the motion and warmth of the same energy in the core, nearly incompressible."""
+    shear, lame, c, T0, coupling = 10.0, 5e3, 0.2, 20.0, 1.5
+
+    def free(C: Any, T: Any) -> Any:
+        J2 = C[0] * (C[1] * C[2] - C[4] ** 2) - C[3] * (C[3] * C[2] - C[4] * C[5])
+        log = np.log(J2 + C[5] * (C[3] * C[4] - C[1] * C[5])) / 2
+        W = shear / 2 * (C[0] + C[1] + C[2] - 3 - 2 * log) + lame / 2 * log**2
+        return W * T / T0 - coupling * (T - T0) * log + c * (T - T0 - T * np.log(T / T0))
+
+    expansion = coupling / (3 * lame + 2 * shear)
+    core = vv.Heat(conductivity=0.5, capacity=c, expansion=expansion, reference=T0, moduli_slope=1 / T0)
+    mesh = distorted("hex8")
+    if plane:
+        square = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+        mesh = vv.Mesh(square.points + 0.05 * np.sin(3 * square.points[:, ::-1]), square.cells)
+
+    def moved(scheme: vv.Scheme, **given: Any) -> tuple[list[Any], vv.Result]:
+        body = vv.ThermoelasticSolid(
+            mesh=mesh,
+            formulation="F-bar",
+            density=1.0,
+            temperature=lambda X: T0 + 4 * X[:, 0] ** 2,
+            velocity=lambda X: X[:, [1, 0, 2]] * (1, 1, 0),
+            **given,
+        )
+        system = vv.System([body], vv.Newton(tolerance=1e-11))
+        result = vv.simulate(system, until=0.1, step=0.01, scheme=scheme)
+        ends = [body.displacements(system.x), body.temperatures(system.x) - T0, body.nodal_forces(system.x)]
+        return ends, result
+
+    own, _ = moved(vv.BDF2(), material=vv.NeoHooke(shear=shear, lame_lambda=lame), heat=core)
+    heat = vv.UserHeat(function=free, conductivity=0.5, reference=T0)
+    theirs, _ = moved(vv.BDF2(), heat=heat)
+    for a, b in zip(own, theirs, strict=True):
+        np.testing.assert_allclose(b, a, atol=1e-7 * np.abs(a).max())
+    _, result = moved(vv.EnergyMomentum(), heat=heat)
+    assert result.conservation()["energy"] < 1e-9
+    assert np.min(np.diff(result.ledger["entropy"])) > 0

@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.arguments import Unchanging
 from visviva.base.errors import InputError
+from visviva.body import formulation as forms
 from visviva.body.solid_fields import FULL, components
 from visviva.component.component import settings
 from visviva.component.values import Function, Matrix, Number, positive_tensor
@@ -52,8 +53,11 @@ class HeatLaw(Unchanging):
             raise InputError(f"{type(self).__name__} needs the material whose energy it heats; give material")
         return given
 
-    def energy(self) -> Derivatives | None:
-        """Internal energy of C - I and entropy (7, n), if it is not one of the core."""
+    def energy(self, scaled: int = 0) -> Derivatives | None:
+        """Internal energy of C - I and entropy (7, n), if it is not one of the core.
+
+        Where volumes change as the centre's, along `scaled` directions, of C - I, C0 - I there and entropy (13, n).
+        """
         return None
 
     @abstractmethod
@@ -239,8 +243,14 @@ class UserHeat(HeatLaw):
             raise InputError("UserHeat holds the energy of the material too; leave out material")
         return self._elastic
 
-    def energy(self) -> Derivatives:
-        return self._internal.energy()
+    def energy(self, scaled: int = 0) -> Derivatives:
+        if not scaled:
+            return self._internal.energy()
+
+        def free(C: Array, T: Array) -> Array:
+            return np.asarray(forms.scaled(lambda bar: self.function(bar, T), scaled)(C))
+
+        return Internal(free, 12, self.reference, "UserHeat", np.tile(REST[:, 0], 2)).energy()
 
     def parameters(self, material: Material) -> list[float]:
         spatial = float(self.in_space and np.ndim(self.conductivity) == 0)

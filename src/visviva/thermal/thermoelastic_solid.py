@@ -138,10 +138,10 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(
                 f"{self.label}: plane = 'stress' does not know heat yet; take 'strain', or one layer of cells in space"
             )
-        if self.formulation in DILATED and self.heat.energy() is not None:
+        if self.formulation == "mixed" and self.heat.energy() is not None:
             raise InputError(
                 f"{self.label}: formulation = {self.formulation!r} is not for {type(self.heat).__name__}; take "
-                f"'enhanced' with {self._brick}, or 'displacement' with cells of second order"
+                f"'F-bar' or 'enhanced' with {self._brick}, or 'displacement' with cells of second order"
             )
         if self.formulation == "mixed":
             self._refuse_pressures()
@@ -302,7 +302,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self._groups(cell, nodes, first, g, rule),
             self.heat.parameters(self.body_material),
         )
-        kind, energy = g.chosen(DILATED.get(self.formulation, POINTWISE)), self.heat.energy()
+        kind = g.chosen(DILATED.get(self.formulation, POINTWISE))
+        energy = self.heat.energy(g.chosen((3, 2, 3)) if self.formulation == "F-bar" else 0)
         self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
         self._evaluations.append(self._stressed(cell, nodes, first, rule))
         shown = rule if self.formulation == "enhanced" else solid_rule(self.grid.points, nodes, cell)
