@@ -41,6 +41,53 @@ def test_a_uniform_cell_deforms_alike(kind: str) -> None:
     np.testing.assert_allclose(body.displacements(system.x), body.points @ GRADIENT.T, atol=1e-9)
 
 
+MIXED = [("tri6", (6, 6)), ("tri3", (6, 6)), ("tet10", (4, 4, 1)), ("wedge6", (4, 4, 1))]
+
+
+def with_a_hole(kind: str, counts: tuple[int, ...], at: float) -> vv.Mesh:
+    """A cell of which the cells around a place of the period are left out."""
+    make: Any = vv.RectangleMesh if len(counts) == 2 else vv.BoxMesh
+    size = (1, 1) if len(counts) == 2 else (1, 1, 0.25)
+    mesh = make(size=size, counts=counts, cell=kind).build()
+    away = np.abs((mesh.centres[:, :2] - at + 0.5) % 1 - 0.5).max(axis=1)
+    mesh = vv.Mesh(points=mesh.points, cells={kind: mesh.cells[kind][away > 1 / counts[0]]}).without_orphans()
+    for k, axis in enumerate("xyz"[: len(counts)]):
+        for end, place in enumerate((0.0, size[k])):
+            mesh = mesh.with_faces(f"{axis}{end}", lambda X, k=k, p=place: np.abs(X[:, k] - p) < 1e-9)
+    return mesh
+
+
+@pytest.mark.parametrize(("kind", "counts"), MIXED, ids=[kind for kind, _ in MIXED])
+@pytest.mark.parametrize("poisson", [0.3, 0.4999])
+def test_pressures_go_on_beyond_the_sides(kind: str, counts: tuple[int, ...], poisson: float) -> None:
+    """It does not matter where a cell with a hole is cut; pressures of their own on both sides made it stiffer."""
+    energies, pressures = [], []
+    for at in (0.5, 0.0) if len(counts) == 3 else (0.5, 1 / 3, 0.0):
+        body = vv.Solid(
+            mesh=with_a_hole(kind, counts, at),
+            material=vv.NeoHooke(young=10.0, poisson=poisson),
+            formulation="mixed",
+        )
+        sides = vv.PeriodicFaces(solid=body, pairs=ALL_SIDES[: len(counts)], strain=GRADIENT, times="0.5*t")
+        node = np.argmin(np.abs(body.points[:, :2] - (at + 0.5) % 1).sum(axis=1))
+        system = vv.System([body, sides, vv.Fixed(solid=body, nodes=[node])])
+        result = vv.quasi_static(system, until=1.0, step=1.0)
+        energies.append(result.ledger["potential_strain"][-1])
+        pressures.append(np.sort(np.unique(system.field(body, "pressure").values.round(9))))
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
+    for others in pressures[1:]:
+        np.testing.assert_allclose(others, pressures[0], atol=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["tet4", "wedge6", "hex8"])
+def test_a_uniform_cell_of_pressures_deforms_alike(kind: str) -> None:
+    body = cell(kind, formulation="mixed")
+    sides = vv.PeriodicFaces(solid=body, pairs=ALL_SIDES, strain=GRADIENT, times="t")
+    system = vv.System([body, sides, vv.Fixed(solid=body, nodes=np.array([0]))])
+    vv.quasi_static(system, until=1.0, step=0.5)
+    np.testing.assert_allclose(body.displacements(system.x), body.points @ GRADIENT.T, atol=1e-9)
+
+
 def test_statics_tells_nothing_of_velocities(capsys: pytest.CaptureFixture[str]) -> None:
     """Means that follow time have rates, but load steps have none."""
     cell = vv.Solid(

@@ -143,10 +143,15 @@ def without_mass(mass: Array, k: int, more: int) -> Array:
 
 
 # --- pressures ----------------------------------------------------------------------------------------------
-def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
-    """Numbers (m, p) of the pressures of each cell type's elements, and the element (n,) that alone has it or -1."""
+def pressure_numbers(grid: Mesh, shared: Ints) -> tuple[Mapping[str, Ints], Ints]:
+    """Numbers (m, p) of the pressures of each cell type's elements, and the element (n,) that alone has it or -1.
+
+    Nodes of one number `shared` (n_nodes,) have one continuous pressure.
+    """
     d, numbers, n, own = grid.dimension, {}, 0, [np.zeros(0, dtype=np.int64)]
-    corners = [nodes[:, : CELLS[cell].n_corners] for cell, nodes in grid.cells.items() if cell in CONTINUOUS]
+    corners = [
+        shared[nodes[:, : CELLS[cell].n_corners]] for cell, nodes in grid.cells.items() if cell in CONTINUOUS
+    ]
     place = np.full(grid.n_nodes, -1)
     if corners:
         used = np.unique(np.concatenate([c.ravel() for c in corners]))
@@ -155,7 +160,7 @@ def pressure_numbers(grid: Mesh) -> tuple[Mapping[str, Ints], Ints]:
         own.append(np.full(n, -1))
     for cell, nodes in grid.cells.items():
         if cell in CONTINUOUS:
-            numbers[cell] = place[nodes[:, : CELLS[cell].n_corners]]
+            numbers[cell] = place[shared[nodes[:, : CELLS[cell].n_corners]]]
         else:
             p = 1 if cell in CONSTANT else d + 1
             numbers[cell] = n + np.arange(len(nodes) * p).reshape(-1, p)

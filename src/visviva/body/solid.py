@@ -18,7 +18,7 @@ from visviva.body.formulation import Formulation
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
 from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
-from visviva.component.announcements import SharedOut, Wetting
+from visviva.component.announcements import SharedOut, Wetting, shared_numbers
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberAtPlace, Vector3, VectorOrFunction
 from visviva.material.material import Material
@@ -214,7 +214,7 @@ class Solid(MeshBody):
                 self, "enhanced", zero, role=role, scale=model.length_of(self), stage=1, node=d, element=own
             )
         elif self.formulation == "mixed":
-            self._pressure_numbers, own = forms.pressure_numbers(self.grid)
+            self._pressure_numbers, own = forms.pressure_numbers(self.grid, shared_numbers(model, self))
             if self.body_material.split().bulk > forms.STIFFEST * self.body_material.lame[1]:
                 own[:] = -1
             self._declare_pressures(model, own)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -9,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.component.component import Component
+from visviva.component.meshed import Meshed
 from visviva.mesh.faces import Faces
+from visviva.mesh.periodic import numbering
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -39,6 +42,19 @@ class Facing:
 
     by: Component
     faces: Faces | str
+
+
+@dataclass(frozen=True, eq=False)
+class Repeating:
+    """Pairs of sets of faces of a body that are taken for the same."""
+
+    pairs: Sequence[tuple[str, str]]
+
+
+def shared_numbers(model: Model, body: Meshed) -> NDArray[np.int64]:
+    """Numbers (n,) of the nodes of a body in fields beside positions: those that stand for each other have one."""
+    pairs = [(p[0], p[-1]) for sides in model.announced(body, Repeating) for p in sides.pairs]
+    return numbering(body.grid, pairs, body.label)[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
 from visviva.body.director_body import DirectorBody
 from visviva.body.mesh_body import MeshBody
-from visviva.component.announcements import Facing
+from visviva.component.announcements import Facing, Repeating
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
 from visviva.component.values import Matrix
@@ -47,9 +47,9 @@ class PeriodicFaces(Component):
     the start, and does none. Constraint forces cancel in pairs, so that the momentum is kept; angular momentum has no
     meaning in a body that repeats. What holds nodes of one side holds their images on the other; where both are held
     they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. What else
-    nodes have, damages, entropies and temperatures, images share: it goes on beyond the sides. Concentrations of
-    `MixtureSolid` do by its `periodic`, which has to name the same pairs. Splines are continuous across their sides,
-    without their slopes; control points and weights of both have to be the same.
+    nodes have, damages, entropies, temperatures and continuous pressures, images share: it goes on beyond the sides.
+    Concentrations of `MixtureSolid` do by its `periodic`, which has to name the same pairs. Splines are continuous
+    across their sides, without their slopes; control points and weights of both have to be the same.
 
     Examples
     --------
@@ -106,6 +106,7 @@ class PeriodicFaces(Component):
 
     def announce(self, model: Model) -> None:
         model.announce(self.solid, self)
+        model.announce(self.solid, Repeating(self.pairs))
 
     def declare(self, model: Model) -> None:
         model.index(self.solid)
@@ -172,12 +173,6 @@ class PeriodicFaces(Component):
         g = self._times
         assert g is not None
         return (lambda t: size * g(t)) if size else 0.0
-
-
-def shared_numbers(model: Model, solid: MeshBody) -> NDArray[np.int64]:
-    """Numbers (n,) of the nodes of a body in fields beside positions: those that `PeriodicFaces` join have one."""
-    pairs = [(p[0], p[-1]) for sides in model.announced(solid, PeriodicFaces) for p in sides.pairs]
-    return numbering(solid.grid, pairs, solid.label)[0]
 
 
 def shared_values(solid: MeshBody, what: str, number: NDArray[np.int64], values: Array) -> Array:

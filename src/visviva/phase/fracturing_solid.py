@@ -16,9 +16,10 @@ from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
+from visviva.component.announcements import shared_numbers
 from visviva.component.component import settings
 from visviva.component.values import Number, NumberAtPlace, NumberOrFunction
-from visviva.load.periodic_faces import shared_numbers, shared_values
+from visviva.load.periodic_faces import shared_values
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role

@@ -18,9 +18,10 @@ from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
+from visviva.component.announcements import shared_numbers
 from visviva.component.component import Component, settings
 from visviva.component.values import NumberAtPlace
-from visviva.load.periodic_faces import shared_numbers, shared_values
+from visviva.load.periodic_faces import shared_values
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import Rule, mass_rule
