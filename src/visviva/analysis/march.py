@@ -169,17 +169,18 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         from visviva.system.check import fit
 
         system.report = fit(system, project=project, moving=scheme.has_inertia)
-    if system.is_given:
+    if system.is_given and scheme.has_inertia:
         settle(system)
-        if scheme.has_inertia:
-            bring_into_balance(system)
+        bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
     system.stepper.means = moved_by_means(system, scheme)
-    system.stepper.is_edited = False
     system.projects(scheme)  # a look at the equations, which is due before the first increment
     for component in system.components:
         component.start(system, scheme)
+    if system.is_given and not scheme.has_inertia:  # begins elsewhere where components say so
+        settle(system)
+    system.stepper.is_edited = False
 
 
 def still_fits(system: System) -> bool:
