@@ -208,11 +208,9 @@ def test_blatz_ko_does_not_lock() -> None:
     assert tip("quad4", 16, "displacement") < 0.85 * fine
 
 
-@pytest.mark.parametrize("speed", [1e-3, 1e-4, 1e-5])
-def test_user_heat_moves_by_small_strains_as_heat_does(speed: float) -> None:
-    """Differences of its energy, of which heat is the larger part, would drown in rounding."""
-    material, T0, c, expansion = vv.NeoHooke(young=10.0, poisson=0.3), 300.0, 5.0, 5e-3
-    lame, mu = material.lame
+def both_laws(material: vv.NeoHooke, capacity: float, expansion: float) -> list[dict[str, Any]]:
+    """What a `ThermoelasticSolid` takes for a law of the core, and for the same one in Python."""
+    T0, (lame, mu) = 300.0, material.lame
     coupling = 3 * (lame + 2 * mu / 3) * expansion
 
     def free(C: Any, T: Any) -> Any:
@@ -220,16 +218,20 @@ def test_user_heat_moves_by_small_strains_as_heat_does(speed: float) -> None:
         J2 = J2 + C[5] * (C[3] * C[4] - C[1] * C[5])
         ln_j = 0.5 * np.log(J2)
         strains = mu / 2 * (C[0] + C[1] + C[2] - 3 - 2 * ln_j) + lame / 2 * ln_j**2
-        return strains - coupling * (T - T0) * ln_j + c * (T - T0 - T * np.log(T / T0))
+        return strains - coupling * (T - T0) * ln_j + capacity * (T - T0 - T * np.log(T / T0))
 
-    ends = []
-    for given in (
-        {
-            "material": material,
-            "heat": vv.Heat(conductivity=2.0, capacity=c, expansion=expansion, reference=T0),
-        },
+    core = vv.Heat(conductivity=2.0, capacity=capacity, expansion=expansion, reference=T0)
+    return [
+        {"material": material, "heat": core},
         {"heat": vv.UserHeat(function=free, conductivity=2.0, reference=T0)},
-    ):
+    ]
+
+
+@pytest.mark.parametrize("speed", [1e-3, 1e-4, 1e-5])
+def test_user_heat_moves_by_small_strains_as_heat_does(speed: float) -> None:
+    """Differences of its energy, of which heat is the larger part, would drown in rounding."""
+    ends = []
+    for given in both_laws(vv.NeoHooke(young=10.0, poisson=0.3), 5.0, 5e-3):
         bar: Any = vv.ThermoelasticSolid(
             mesh=vv.BoxMesh(size=(1, 0.1, 0.1), counts=(2, 1, 1)),
             density=1.0,
@@ -239,5 +241,24 @@ def test_user_heat_moves_by_small_strains_as_heat_does(speed: float) -> None:
         system = vv.System([bar, vv.Fixed(solid=bar, nodes="x0"), vv.Fixed(solid=bar, nodes="x1")])
         result = vv.simulate(system, until=0.2, step=0.02)
         assert len(result.times) == 11
-        ends.append([*bar.displacements(system.x)[:, 0], *(bar.temperatures(system.x) - T0)])
+        ends.append([*bar.displacements(system.x)[:, 0], *(bar.temperatures(system.x) - 300.0)])
     assert np.array(ends[1]) / speed == pytest.approx(np.array(ends[0]) / speed, abs=1e-5)
+
+
+@pytest.mark.parametrize("temperature", [300.0, 301.0])
+@pytest.mark.parametrize("capacity", [2e3, 2e6])
+@pytest.mark.parametrize("size", [1.0, 0.01])
+def test_user_heat_in_si_units_from_its_reference_temperature_on(
+    size: float, capacity: float, temperature: float
+) -> None:
+    """Its strains, C - I and entropy, vanish there; what the function adds up and rounds does not."""
+    ends = []
+    for given in both_laws(vv.NeoHooke(young=1e9, poisson=0.3), capacity, 1e-5):
+        mesh = vv.BoxMesh(size=(size, size, size), counts=(2, 1, 1))
+        block: Any = vv.ThermoelasticSolid(mesh=mesh, density=1000.0, temperature=temperature, **given)
+        pull = vv.Traction(solid=block, faces="x1", traction=(1e5, 0, 0))
+        system = vv.System([block, vv.Fixed(solid=block, nodes="x0"), pull])
+        result = vv.simulate(system, until=5e-3 * size, step=1e-3 * size)
+        assert result.statistics.rejected == 0
+        ends.append([*block.displacements(system.x)[:, 0] / size, *(block.temperatures(system.x) / 300 - 1)])
+    assert np.array(ends[1]) == pytest.approx(np.array(ends[0]), abs=1e-8)

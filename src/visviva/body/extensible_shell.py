@@ -258,7 +258,8 @@ class ExtensibleShell(Shell):
         energy = stack.through.layers[0].material.energy
         if energy is None:
             return None
-        return Function(lambda c: energy(c + REST[:, None]), 6, 1, f"{self.label}: energy of its material")
+        label = f"{self.label}: energy of its material"
+        return Function(lambda c: energy(c + REST[:, None]), 6, 1, label, origin=REST)
 
     # --- strains and stresses ------------------------------------------------------------------------------
     def green(self, x: Array) -> list[Array]:

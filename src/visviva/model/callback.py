@@ -46,13 +46,25 @@ class Function:
     sizes : array (n_e,), optional
         Large changes of the strains, by which those of different units are weighed against each other, and differences
         told from rounding where strains vanish; 1 each if left out.
+    origin : array (n_e,), optional
+        What the function adds to its strains before it does anything else, 1 to those that count from C = I: what it
+        sees then, and rounds, is never as small as they are. 0 each if left out.
     """
 
     def __init__(
-        self, function: Callable[[Any], Any], n_e: int, m: int, label: str, sizes: Array | None = None
+        self,
+        function: Callable[[Any], Any],
+        n_e: int,
+        m: int,
+        label: str,
+        sizes: Array | None = None,
+        origin: Array | None = None,
     ) -> None:
         self.function, self.n_e, self.m, self.label = function, n_e, m, label
-        self.sizes = np.ones((n_e, 1)) if sizes is None else np.asarray(sizes, dtype=float).reshape(n_e, 1)
+        self.sizes, self.origin = (
+            np.full((n_e, 1), default) if given is None else np.asarray(given, dtype=float).reshape(n_e, 1)
+            for given, default in ((sizes, 1.0), (origin, 0.0))
+        )
         self._refuses_complex = False
 
     def raw(self, e: Any) -> NDArray[Any]:
@@ -124,7 +136,7 @@ class Function:
         in the derivatives gives the difference of values, up to a kink, which shows in their second difference, and
         to rounding. One call of the function does, and points that cannot be taken tell nothing.
         """
-        n, probe = e.shape[1], probes(e, self.sizes)
+        n, probe = e.shape[1], probes(e + self.origin, self.sizes)
         sides = [e + sign * probe + 1j * COMPLEX_STEP * probe for sign in (1, -1)]
         f = self.raw(np.concatenate([stepped(e), *sides], axis=1))
         g = f[:, : -2 * n].imag.reshape(self.m, self.n_e, n) / COMPLEX_STEP
@@ -139,7 +151,7 @@ class Function:
         return g, ~(np.abs(said - seen) > allowed).any(axis=0)
 
     def _difference_gradient(self, e: Array) -> Array:
-        points, distance = neighbours(e, self.sizes)
+        points, distance = neighbours(e, self.sizes, self.origin)
         f = self.value(points.reshape(self.n_e, -1)).reshape(self.m, 2, self.n_e, -1)
         return (f[:, 0] - f[:, 1]) / distance
 
@@ -153,7 +165,7 @@ class Function:
             (~holds, self._difference_gradient, 20.0),
         ):
             if there.any():
-                points, distance = neighbours(e[:, there], self.sizes, stretch)
+                points, distance = neighbours(e[:, there], self.sizes, self.origin, stretch)
                 g = gradient(points.reshape(self.n_e, -1)).reshape(self.m, self.n_e, 2, self.n_e, -1)
                 H[..., there] = (g[:, :, 0] - g[:, :, 1]) / distance
         return 0.5 * (H + H.swapaxes(1, 2))
@@ -181,7 +193,8 @@ class Function:
             np.abs(simpson) * bend**2 <= ROUNDING * held * bends**2
         )  # what it leaves out is below rounding
         b = np.where(smooth & analytic, simpson, exact)
-        size = (np.maximum(np.abs(e0), np.abs(e1)) * (de != 0) / self.sizes).max(axis=0)
+        seen = np.maximum(np.abs(e0 + self.origin), np.abs(e1 + self.origin))
+        size = (seen * (de != 0) / self.sizes).max(axis=0)
         few = np.where(analytic, TINY, TINY_DIFFERENCES)
         tiny = np.abs(de / self.sizes).max(axis=0) <= few * size
         metric = self.sizes**-2.0
@@ -257,13 +270,14 @@ def probes(e: Array, sizes: Array) -> Array:
     return along
 
 
-def neighbours(e: Array, sizes: Array, stretch: float = 1.0) -> tuple[Array, Array]:
+def neighbours(e: Array, sizes: Array, origin: Array, stretch: float = 1.0) -> tuple[Array, Array]:
     """Both points of a central difference in every strain (n_e, 2, n_e, n), and their distances (n_e, n).
 
-    Strains whose large changes are `sizes` (n_e, 1) may be of different units.
+    Strains whose large changes are `sizes` (n_e, 1) may be of different units; they count from `origin` (n_e, 1).
     """
-    size = sizes * np.maximum(0.1 * np.abs(e / sizes).max(axis=0), 1e-3)
-    step = stretch * RELATIVE_STEP * np.maximum(np.abs(e), size)
+    seen = np.abs(e + origin)
+    size = sizes * np.maximum(0.1 * (seen / sizes).max(axis=0), 1e-3)
+    step = stretch * RELATIVE_STEP * np.maximum(seen, size)
     moved = np.eye(len(e))[:, :, None] * step
     points = e[:, None, None, :] + np.stack([moved, -moved], axis=1)
     distance = np.einsum("jjn->jn", points[:, 0] - points[:, 1])

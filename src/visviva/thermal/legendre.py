@@ -76,4 +76,5 @@ class Internal:
 
         rest = np.zeros((self.n_e, 1)) + self.shift if rest is None else rest
         capacity = np.abs(self.capacity(rest, np.array([self.reference])))
-        return Function(internal, self.n_e + 1, 1, self.label, np.append(np.ones(self.n_e), capacity))
+        sizes, origin = np.append(np.ones(self.n_e), capacity), np.append(self.shift, 0.0)
+        return Function(internal, self.n_e + 1, 1, self.label, sizes, origin)
