@@ -521,6 +521,7 @@ THERMAL = [
             ("quad9", "mixed"),
         )
     ],
+    Entry("thermoelastic sheet, plane stress", lambda: [sheet(plane="stress")], IN_PLANE, h=0.01, steps=20),
     *[
         Entry(
             f"thermoelastic ring, {kind}",

@@ -380,8 +380,13 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ),
     ({"material": vv.LinearElastic(young=1.0, poisson=0.3)}, "no material of finite strains"),
     (
-        {"mesh": vv.RectangleMesh(size=(1, 1), counts=(1, 1)), "plane": "stress"},
-        "plane = 'stress' does not know heat yet; take 'strain'",
+        {
+            "mesh": vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+            "plane": "stress",
+            "material": None,
+            "heat": vv.UserHeat(function=ideal, conductivity=1.0),
+        },
+        "plane = 'stress' is not for UserHeat; take 'strain'",
     ),
     ({"thermal_strain": 0.1}, "thermal_strain"),
 ]

@@ -304,3 +304,140 @@ def test_heat_flows_through_a_wall_in_plane(rigid: bool) -> None:
     for half in halves:
         exact = air[0] - flow * (1 / ends[0] + half.points[:, 0] / conductivity)
         np.testing.assert_allclose(half.temperatures(system.x), exact, rtol=1e-6)
+
+
+def sheet(material: Any, heat: vv.Heat, **options: Any) -> vv.ThermoelasticSolid:
+    mesh = options.pop("mesh", vv.RectangleMesh(size=(1, 1), counts=(2, 2)))
+    return vv.ThermoelasticSolid(mesh=mesh, material=material, heat=heat, plane="stress", **options)
+
+
+@pytest.mark.parametrize(
+    ("cell", "formulation"),
+    [("tri3", "displacement"), ("quad4", "displacement"), ("quad4", "enhanced"), ("tri6", "displacement")],
+)
+@pytest.mark.parametrize("h", [0.01, 0.05])
+def test_both_laws_hold_in_plane_stress(cell: str, formulation: Any, h: float) -> None:
+    body = flying(cell, formulation, "stress")
+    changes, entropy = kept(body, h)
+    assert changes["energy"] < 1e-11
+    assert max(changes[name] for name in ("momentum_x", "momentum_y", "angular_z")) < 1e-12
+    assert np.min(np.diff(entropy)) > 0
+
+
+@pytest.mark.parametrize("formulation", ["displacement", "enhanced"])
+def test_in_plane_stress_without_coupling_it_is_the_solid(formulation: Any) -> None:
+    found = []
+    for heat in (None, vv.Heat(conductivity=0.5, capacity=0.2, reference=20.0)):
+        common: dict[str, Any] = {
+            "mesh": distorted("quad4"),
+            "material": SOFT,
+            "formulation": formulation,
+            "plane": "stress",
+            "thickness": 0.3,
+        }
+        body = vv.Solid(**common) if heat is None else vv.ThermoelasticSolid(**common, heat=heat)
+        held = vv.Fixed(solid=body, nodes="x0")
+        pull = vv.Prescribed(solid=body, nodes="x1", motion=("0.2 * t", "0.3 * t", None))
+        system = vv.System([body, held, pull], vv.Newton(tolerance=1e-12))
+        vv.simulate(system, until=1.0, step=0.5, scheme=vv.BackwardEuler())
+        fields = body.fields(system.x)
+        found.append(
+            [body.carriers.vectors(system.x), body.nodal_forces(system.x), fields.F, fields.second_piola]
+        )
+    for without, heated in zip(*found, strict=True):
+        np.testing.assert_allclose(heated, without, atol=1e-7 * np.abs(without).max())
+
+
+def test_a_sheet_that_starts_warm_has_its_temperature_and_expands_freely() -> None:
+    """Without stress at rest where its edges are free: l^2 (l^2 - 1) = 2 alpha dT of Saint Venant's energy."""
+    hot = vv.Heat(conductivity=50.0, capacity=3.6e6, expansion=1e-4, reference=ROOM)
+    plate = sheet(HOOKE, hot, temperature=ROOM + 50)
+    held = [
+        vv.SymmetryPlane(solid=plate, nodes=n, normal=d) for n, d in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)))
+    ]
+    warm = vv.PrescribedTemperature(body=plate, nodes="all", value=ROOM + 50)
+    system = vv.System([plate, *held, warm])
+    np.testing.assert_allclose(plate.temperatures(system.x), ROOM + 50, rtol=1e-12)
+    vv.simulate(system, until=3.0, step=1.0, scheme=vv.BackwardEuler())
+    fields = plate.fields(system.x)
+    assert np.abs(fields.cauchy).max() < 1e-6 * YOUNG * 1e-4 * 50
+    np.testing.assert_allclose(
+        fields.F, np.broadcast_to(np.eye(3), fields.F.shape) * fields.F[0, 0, 0, 0], atol=1e-9
+    )
+    exact = np.sqrt((1 + np.sqrt(1 + 8 * 1e-4 * 50)) / 2)
+    np.testing.assert_allclose(fields.F[0, 0, 0, 0], exact, atol=1e-8)
+
+
+def test_a_clamped_sheet_that_is_heated() -> None:
+    """-E alpha dT along, nothing across, where it grows by (1 + nu) alpha dT in the plane and out of it."""
+    plate, rise = sheet(HOOKE, STEEL, temperature=ROOM, thickness=0.01), 0.1
+    held = [
+        vv.SymmetryPlane(solid=plate, nodes=n, normal=d)
+        for n, d in (("x0", (1, 0, 0)), ("x1", (1, 0, 0)), ("y0", (0, 1, 0)))
+    ]
+    warm = vv.PrescribedTemperature(body=plate, nodes="all", value=f"{ROOM} + {rise} * min(t, 1)")
+    system = vv.System([plate, *held, warm])
+    vv.simulate(system, until=2.0, step=0.25, scheme=vv.BackwardEuler())
+    fields, pressed = plate.fields(system.x), YOUNG * ALPHA * rise
+    np.testing.assert_allclose(fields.cauchy[..., 0, 0], -pressed, rtol=1e-5)
+    assert np.abs(fields.cauchy[..., 2, 2]).max() < 1e-5 * pressed
+    grown = (1 + POISSON) * ALPHA * rise
+    np.testing.assert_allclose(fields.F[..., 1, 1] - 1, grown, rtol=1e-4)
+    np.testing.assert_allclose(fields.F[..., 2, 2] - 1, grown, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("stretch", "rise"), [(1.5, 0.0648219805), (2.0, 0.2223064712)])
+def test_a_band_of_rubber_warms_when_it_is_pulled(stretch: float, rise: float) -> None:
+    """Gough and Joule, as `test_gough_joule` has it in space: free at its edge and across."""
+    rubber = vv.NeoHooke(shear=0.4e6, lame_lambda=0.4e10)
+    band = sheet(
+        rubber, vv.Heat(conductivity=1e-9, capacity=1.8e6, moduli_slope=1 / 293.15), temperature=293.15
+    )
+    held = [
+        vv.SymmetryPlane(solid=band, nodes=n, normal=d) for n, d in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)))
+    ]
+    end = vv.Prescribed(solid=band, nodes="x1", motion=(f"{stretch - 1}*t", None, None))
+    system = vv.System([band, *held, end])
+    vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+    assert band.temperatures(system.x) - 293.15 == pytest.approx(rise, rel=2e-3)
+    np.testing.assert_allclose(band.fields(system.x).F[..., 2, 2], stretch**-0.5, rtol=1e-3)
+
+
+def test_a_sheet_that_is_stretched_conducts_by_its_thickness() -> None:
+    """Of a band twice as long, of the same volume: a quarter of the heat flows between the same temperatures."""
+    found = []
+    for stretch in (1.0, 2.0):
+        rubber = vv.NeoHooke(shear=0.4, bulk=4e3)
+        band = sheet(rubber, vv.Heat(conductivity=2.0, capacity=1.0, reference=300.0), temperature=300.0)
+        held = [
+            vv.SymmetryPlane(solid=band, nodes=n, normal=d) for n, d in (("x0", (1, 0, 0)), ("y0", (0, 1, 0)))
+        ]
+        end = vv.Prescribed(solid=band, nodes="x1", motion=(f"{stretch - 1}*min(t, 1)", None, None))
+        warm = vv.PrescribedTemperature(body=band, nodes="x0", value="300 + min(t, 1)")
+        air = vv.Convection(body=band, faces="x1", coefficient=1e6, ambient=300.0)
+        system = vv.System([band, *held, end, warm, air])
+        result = vv.simulate(system, until=20.0, step=0.5, scheme=vv.BackwardEuler())
+        found.append(np.diff(result.ledger["heat_convection"])[-1] / 0.5)
+    assert found[0] == pytest.approx(-2.0, rel=1e-3)
+    assert found[1] / found[0] == pytest.approx(0.25, rel=1e-3)
+
+
+def test_stresses_of_a_disc_that_is_hot_inside() -> None:
+    """Those of the tube in plane strain, with E in place of E / (1 - nu), and none across (Timoshenko)."""
+    n = 8
+    grid = vv.RectangleMesh(size=(OUTER - INNER, 1), counts=(n, n), cell="quad8", origin=(INNER, 0)).build()
+    r, angle = grid.points[:, 0], np.pi / 2 * grid.points[:, 1]
+    X = np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
+    disc = sheet(HOOKE, STEEL, mesh=vv.Mesh(X, grid.cells, face_sets=grid.face_sets), temperature=ROOM)
+    held = [
+        vv.SymmetryPlane(solid=disc, nodes=s, normal=d) for s, d in (("y0", (0, 1, 0)), ("y1", (1, 0, 0)))
+    ]
+    inside = vv.PrescribedTemperature(body=disc, nodes="x0", value=f"{ROOM} + {HOT} * min(t / 1e6, 1)")
+    outside = vv.PrescribedTemperature(body=disc, nodes="x1", value=ROOM)
+    system = vv.System([disc, *held, inside, outside])
+    vv.simulate(system, until=4e6, step=5e5, scheme=vv.BackwardEuler())
+    for radius in (1.0, 1.25, 1.5, 2.0):
+        sigma = np.array(vv.FieldAt(solid=disc, field="cauchy", at=(radius, 0, 0))(system))
+        _, radial, hoop, _ = lame(np.array(radius))
+        told = (1 - POISSON) * np.array([radial, hoop])
+        np.testing.assert_allclose(sigma[:2], told, atol=0.02 * ALPHA * YOUNG * HOT)

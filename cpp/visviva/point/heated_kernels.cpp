@@ -3,6 +3,7 @@
 #include "visviva/point/heated_branch.hpp"
 #include "visviva/point/heated_fracture.hpp"
 #include "visviva/point/point_kernel.hpp"
+#include "visviva/point/thermoelastic_sheet.hpp"
 #include "visviva/point/thermoelastic_volumes.hpp"
 
 namespace visviva::VISVIVA_ISA {

@@ -3,6 +3,7 @@
 VISVIVA_PHYSICS(thermoelastic, THERMOELASTIC, EntropyMap<SolidMap>, ThermoelasticEnergy, HeatPairing)  // C, entropy, temperature
 VISVIVA_PHYSICS(thermoelastic_in_plane, THERMOELASTIC_IN_PLANE, EntropyMap<PlaneMap>, ThermoelasticEnergy, HeatPairing)
 VISVIVA_PHYSICS(thermoelastic_of_revolution, THERMOELASTIC_OF_REVOLUTION, EntropyMap<RevolutionMap>, ThermoelasticEnergy, HeatPairing)
+VISVIVA_PHYSICS(thermoelastic_in_sheet, THERMOELASTIC_IN_SHEET, EntropyMap<PlaneMap>, SheetEnergy, SheetHeatPairing)  // in plane stress
 VISVIVA_PHYSICS(heated_branch, HEATED_BRANCH, HeatedBranchMap<SolidMap>, HeatedBranchEnergy, HeatingPairing)  // C, theta, s, with a branch
 VISVIVA_PHYSICS(heated_branch_in_plane, HEATED_BRANCH_IN_PLANE, HeatedBranchMap<PlaneMap>, HeatedBranchEnergy, HeatingPairing)
 VISVIVA_PHYSICS(heated_branch_of_revolution, HEATED_BRANCH_OF_REVOLUTION, HeatedBranchMap<RevolutionMap>, HeatedBranchEnergy, HeatingPairing)

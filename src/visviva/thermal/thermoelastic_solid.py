@@ -33,6 +33,7 @@ from visviva.thermal.dilated_cells import CentreCells, PressedCells
 from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
+from visviva.thermal.sheet_cells import SheetCells, resting_entropy
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -67,7 +68,7 @@ LOCKING, SWINGING = 1.0, 20.0
 class ThermoelasticSolid(Solid, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
-    Takes the arguments of `Solid`, in space, in plane strain or axisymmetric, and
+    Takes the arguments of `Solid`, in space or in a plane, and
 
     Parameters
     ----------
@@ -135,9 +136,10 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         return forms.BRICKS[self.grid.dimension - 2]
 
     def _refuse_others(self) -> None:
-        if self.plane == "stress":
+        if self.plane == "stress" and self.heat.energy() is not None:
             raise InputError(
-                f"{self.label}: plane = 'stress' does not know heat yet; take 'strain', or one layer of cells in space"
+                f"{self.label}: plane = 'stress' is not for {type(self.heat).__name__}; take 'strain', or one layer of "
+                "cells in space"
             )
         if self.formulation == "mixed" and self.heat.energy() is not None:
             raise InputError(
@@ -203,7 +205,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         super().declare(model)
         self._number = shared_numbers(model, self)
         T = shared_values(self, "temperature", self._number, self.start_temperatures)
-        s = self.heat.start_entropy(T)
+        s = self._resting_entropy(T)
         scale = float(np.abs(np.diff(self.heat.start_entropy(np.array([1.0, 2.0]) * self.heat.reference)))[0])
         self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale)
         self.algorithmic = model.field(
@@ -275,8 +277,11 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         g, N = self._geometry(cell, nodes, rule), CELLS[cell].N(rule.points)
         vectors = self._vectors(nodes, first)
 
+        def entropies(x: Array, of: Ints) -> Array:
+            return np.asarray(self._entropies(x)[of] @ N.T)
+
         def respond(x: Array, of: Ints, C: Array) -> tuple[Array, Array]:
-            _, S, e = self._state(self._entropies(x)[of] @ N.T, C)
+            _, S, e = self._state(entropies(x, of), C)
             return S, e
 
         def deforming(x: Array, some: slice) -> Array:
@@ -289,7 +294,19 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         if self.formulation == "mixed":
             shapes = forms.pressure_shapes(self.grid, cell, nodes, rule.points)
             return PressedCells(*common, shapes=shapes, numbers=self._volumes(cell))
+        if self.plane == "stress":
+            return SheetCells(*common, entropies=entropies, pull=self._pull)
         return StressedCells(*common)
+
+    def _resting_entropy(self, T: Array) -> Array:
+        """Entropies (k,) of temperatures (k,) without strain."""
+        if self.plane == "stress":
+            return resting_entropy(self.heat, self.body_material, T)
+        return self.heat.start_entropy(T)
+
+    def _pull(self, C: Array, s: Array) -> Array:
+        """Stress 33 (n,) of C (n, 6) and entropies (n,)."""
+        return self.heat.respond(self.body_material, C, s)[1][:, 2]
 
     def _state(self, s: Array, C: Array) -> tuple[Array, Array, Array]:
         """Temperatures (m, q), stresses (m, q, 6) and energies (m, q) of entropies (m, q) and C (m, q, 6)."""
@@ -304,6 +321,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             self.heat.parameters(self.body_material),
         )
         kind = g.chosen(DILATED.get(self.formulation, POINTWISE))
+        if self.plane == "stress":
+            kind = PhysicsKind.THERMOELASTIC_IN_SHEET
         energy = self.heat.energy(g.chosen((3, 2, 3)) if self.formulation == "F-bar" else 0)
         self._conducts.append(add_points(model, self, kind, groups, g.volume, constants, energy=energy))
         self._evaluations.append(self._stressed(cell, nodes, first, rule))
@@ -344,7 +363,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(
                 f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
             )
-        self.entropy.values[nodes] = self.heat.start_entropy(now)
+        self.entropy.values[nodes] = self._resting_entropy(now)
         self.algorithmic.values[nodes] = now
         model.refresh(self.entropy)
         model.refresh(self.algorithmic)
@@ -365,7 +384,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             return
         mean = np.full(self.entropy.size, self.start_temperatures.mean())
         state.x[self.algorithmic.unknowns] = mean
-        state.x[self.entropy.unknowns] = self.heat.start_entropy(mean)
+        state.x[self.entropy.unknowns] = self._resting_entropy(mean)
         state.core.invalidate()
 
     def take_heat(self, model: Model, owner: Component, kind: str, points: Points, law: Law) -> None:

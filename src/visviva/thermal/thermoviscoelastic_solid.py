@@ -75,6 +75,10 @@ class ThermoviscoelasticSolid(Branched, ThermoelasticSolid):
             raise InputError(
                 f"{self.label}: branches is empty; give vv.MaxwellBranch(...), or take vv.ThermoelasticSolid"
             )
+        if self.plane == "stress":
+            raise InputError(
+                f"{self.label}: plane = 'stress' has strains that branches do not see; take another one"
+            )
         self._constants = [
             branch.heated_parameters(self.label, self.body_material) for branch in self.branches
         ]
