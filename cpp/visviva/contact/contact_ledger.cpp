@@ -53,6 +53,7 @@ void ContactTerm::add_to_ledger(const Context& c, LedgerSums& sums) {
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     const bool bends = c.step.motion[2][1] != -1;  // velocities in a step otherwise than by their mean
     if (rebounds() && bends) find_mean_increments(c);
+    if (c.step.has_length() && !c.step.is_static()) sums.work[work_account] -= let_go_;
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!has_multipliers()) sums.energy[energy_account] += potential(A, gap1_[A]);

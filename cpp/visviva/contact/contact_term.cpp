@@ -73,6 +73,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     if (rebounds()) landings_.write(m);
     if (keeps_slides()) slid_.write(m);
     if (has_history()) elastic_.write(m);
+    if (!has_multipliers()) m.push_back(let_go_);
     if (piercing_) piercing_->write(m);
 }
 
@@ -86,6 +87,7 @@ bool ContactTerm::read_memory(const double*& m) {
     if (rebounds()) landings_.read(m);
     if (keeps_slides()) slid_.read(m);
     if (has_history()) elastic_.read(m);
+    if (!has_multipliers()) let_go_ = *m++;
     if (piercing_) piercing_->read(m);
     return changed;
 }
@@ -283,6 +285,9 @@ void ContactTerm::accept(const Context& c) {
     for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);
     begin(c.vectors.x1);
     if (rebounds()) carry_landings(places, gap, area);
+    let_go_ = 0;
+    for (int A = 0; !has_multipliers() && A < gaps_->n(); ++A)
+        if (gaps_->lets_go(A)) let_go_ += potential(A, gap[A]);
     if (has_history() && !gaps_->are_of_vertices()) carry_tractions(places);
 }
 

@@ -241,6 +241,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     // Of rigid bodies, by area: the gap at which a vertex first carried since it was open, else `in_flight`.
     GapMemory landings_;
     static constexpr double in_flight = -HUGE_VAL;
+    double let_go_ = 0;  // energy that a penalty had at the end of the last step in what has slid off an edge
     void find_roaming();
     std::vector<int> unsettled_gaps_, roaming_;
     std::vector<double> tried_at_;  // where the last attempt at a step began, and how long it was

@@ -86,6 +86,8 @@ class Gaps {
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.
     virtual void keep_sides() {}
+    /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
+    bool lets_go(int gap) const { return !let_go_.empty() && let_go_[gap]; }
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}
     /// Memory of gaps: the way to where the last step began.
@@ -133,6 +135,7 @@ class Gaps {
     Skin skin_;
     int n_ = 0, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
+    std::vector<char> let_go_;
 };
 
 struct MortarOptions {

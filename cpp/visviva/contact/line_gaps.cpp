@@ -58,7 +58,6 @@ class LineGaps : public PointGaps {
     Vector3 push(const Distance& d, int vertex) const override;
     std::vector<int> others(int vertex) const override;
     double way(const double* from, const double* to, int vertex) const override;
-    bool is_inside(const double*, int) const override { return false; }
     int nearest_side(const double*, int) const override { return Sides::nearest; }
     int entrance(const double*, const double*, int) const override { return Sides::nearest; }
     double depth(const double*, int, int) const override { return 0; }

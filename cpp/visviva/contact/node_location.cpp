@@ -152,15 +152,12 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     return Reach::near;
 }
 
-// Whether it lies behind what is nearest, or by rounding before it.
-bool NodeToSegment::is_inside(const double* X, int A) const {
-    Found found;
-    return locate_nearest(X, A, found) == Reach::near && found.value < same_place * found.facet.size();
-}
-
+// If it lies behind what is nearest, or by rounding before it.
 int NodeToSegment::nearest_side(const double* X, int A) const {
     Found found;
-    return locate_nearest(X, A, found) == Reach::near ? found.candidate->facet : Sides::nearest;
+    const bool is_inside =
+        locate_nearest(X, A, found) == Reach::near && found.value < same_place * found.facet.size();
+    return is_inside ? found.candidate->facet : Sides::nearest;
 }
 
 // Whether what is found is beyond a side: of another one, or on what that shares with another one.
@@ -212,13 +209,20 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
             if (meets && t > latest) latest = t, side = c.facet, normal = n;
         }
     }
-    if (side < 0 || looks(to, A, normal)) return side;
+    if (side < 0 || !keeps_ || looks(to, A, normal)) return side;
+    const int other = touched(to, A, Sides::nearest);
+    return other < 0 ? side : other;
+}
+
+int NodeToSegment::touched(const double* X, int A, int side) const {
+    if (side >= 0 && looks(X, A, shape(X, side).normal(0))) return side;
     double least = HUGE_VAL;
+    side = Sides::nearest;
     for (const Candidate& c : candidates_[A]) {
-        const FacetShape facet = shape(to, c.facet);
+        const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
-            const double distance = closest(facet, s, At(to + 3 * A)).distance;
-            if (distance < least && facet.height(s, At(to + 3 * A)) < 0 && looks(to, A, facet.normal(s)))
+            const double distance = closest(facet, s, At(X + 3 * A)).distance;
+            if (distance < least && facet.height(s, At(X + 3 * A)) < 0 && looks(X, A, facet.normal(s)))
                 least = distance, side = c.facet;
         }
     }
@@ -253,6 +257,7 @@ PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) con
     if (A >= n_own()) return Reach::far;
     Reach reach = locate_nearest(X, A, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
+    if (came == Sides::none) return Reach::far;
     if (came >= 0 && !found.goes_on && leaves(X, A, found, came)) {
         found = plane_of(X, A, came);
         reach = sign(X, A, found);

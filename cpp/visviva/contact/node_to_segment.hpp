@@ -52,7 +52,6 @@ class NodeToSegment : public PointGaps {
     bool roams(const double* X, int vertex) const override;
     long place(int vertex) const override;
     bool turns_uphill(const double* from, const double* to, int vertex) const override;
-    bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     bool set_exact(bool on) override { return std::exchange(exact_, on) != on; }
     void approaches(const double* from, const double* to, std::vector<Approach>& out) const override;
     void masses(const double* X, const std::vector<char>& wanted, bool gradients,
@@ -63,11 +62,11 @@ class NodeToSegment : public PointGaps {
     void grip(const double* X, int vertex, bool gradients, Grip& out) const override;
     std::vector<int> others(int vertex) const override;
     double way(const double* from, const double* to, int vertex) const override;
-    bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;
     int entrance(const double* from, const double* to, int vertex) const override;
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double* X, int side, int other) const override;
+    int touched(const double* X, int vertex, int side) const override;
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
@@ -117,7 +116,7 @@ class NodeToSegment : public PointGaps {
     };
     std::vector<Held> held_;
     int n_own() const { return n_ / options_.copies; }
-    bool static_ = false, exact_ = false;
+    bool exact_ = false;
     std::vector<double> rest_;  // places, if the surface may touch itself
     NormalField normals_;
     PointSearch near_facets_;

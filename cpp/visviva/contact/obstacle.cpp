@@ -82,17 +82,16 @@ class Obstacle : public PointGaps {
     double way(const double* from, const double* to, int vertex) const override {
         return (local(to, vertex) - local(from, vertex)).norm();
     }
-    bool is_inside(const double* X, int vertex) const override;
     int nearest_side(const double* X, int vertex) const override;
     int entrance(const double* from, const double* to, int vertex) const override;
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double*, int side, int other) const override { return side == other; }
+    int touched(const double* X, int vertex, int side) const override;
 
   private:
     Vector3 local(const double* X, const Vector3& x) const;
     Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
     bool reaches(const double* from, const double* to, int vertex) const;
-    bool touches(const double* X, int vertex, const Vector3& normal) const;
     bool turns() const { return !options_.turning.empty(); }  // a ball that rubs
     // Balls whose middle is just above an edge come in from above.
     double on_edge() const { return 1e-9 * options_.radius; }
@@ -154,23 +153,18 @@ bool Obstacle::reaches(const double* from, const double* to, int A) const {
     return begin <= end;
 }
 
-// Or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.
-bool Obstacle::is_inside(const double* X, int A) const {
-    if (shape_.core == ObstacleShape::half_space) return false;
+// Inside, or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.
+int Obstacle::nearest_side(const double* X, int A) const {
+    if (shape_.core == ObstacleShape::half_space) return Sides::nearest;
     Scalar q[3];
     const Vector3 y = local(X, A);
     // most are outside, and by more than what nudging them may change
     constexpr double far = 1e-2;
-    if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return false;
+    if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return Sides::nearest;
     const Vector3 inner = local(X, nudged(X, A));
     const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
-    return deepest(q, excesses(shape_, inner, q))->v < touching;
-}
-
-int Obstacle::nearest_side(const double* X, int A) const {
-    Scalar q[3];
-    const int n = excesses(shape_, local(X, nudged(X, A)), q);
-    return static_cast<int>(deepest(q, n) - q);
+    const Scalar* nearest = deepest(q, excesses(shape_, inner, q));
+    return nearest->v < touching ? static_cast<int>(nearest - q) : Sides::nearest;
 }
 
 double Obstacle::depth(const double* X, int A, int side) const {
@@ -185,7 +179,7 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
     const Vector3 start = local(from, nudged(from, A)), end = local(to, nudged(to, A));
     double latest = 0;
     int side = Sides::nearest;
-    Scalar q[3], last[3];
+    Scalar q[3];
     const int n = excesses(shape_, start, q);
     for (int k = 0; k < n; ++k) {
         excesses(shape_, start, q);
@@ -198,20 +192,24 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
         }
         if (after > latest) latest = after, side = k;
     }
-    excesses(shape_, end, last);
-    if (side < 0 || touches(to, A, last[side].d)) return side;
-    int other = Sides::nearest;
-    for (int k = 0; k < n; ++k)
-        if (touches(to, A, last[k].d) && (other < 0 || last[k].v > last[other].v)) other = k;
+    const int other = side < 0 || !keeps_ ? side : touched(to, A, side);
     return other < 0 ? side : other;
 }
 
-// Whether it may, a side with a normal that is given in the frame.
-bool Obstacle::touches(const double* X, int A, const Vector3& normal) const {
+int Obstacle::touched(const double* X, int A, int side) const {
     const double* frame = X + 3 * (skin_.n_vertices() - 4);
-    Vector3 n = Vector3::Zero();
-    for (int i = 0; i < 3; ++i) n += normal[i] / shape_.axis * (At(frame + 3 + 3 * i) - At(frame));
-    return looks(X, A, n);
+    Scalar q[3];
+    const int n = excesses(shape_, local(X, nudged(X, A)), q);
+    auto may = [&](int k) {
+        Vector3 out = Vector3::Zero();
+        for (int i = 0; i < 3; ++i) out += q[k].d[i] / shape_.axis * (At(frame + 3 + 3 * i) - At(frame));
+        return looks(X, A, out);
+    };
+    if (side >= 0 && may(side)) return side;
+    int other = Sides::nearest;
+    for (int k = 0; k < n; ++k)
+        if (may(k) && (other < 0 || q[k].v > q[other].v)) other = k;
+    return other;
 }
 
 // With the place y_i = (x - o) . (p_i - o) / L in the frame.
@@ -222,9 +220,11 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
     Matrix3 axes;
     for (int i = 0; i < 3; ++i) axes.row(i) = (At(frame + 3 + 3 * i) - o) / L;
     const Vector3 arm = x - o;
-    const Scalar g = distance_to_core(shape_, axes * arm, side(X, A));
+    const int in = side(X, A);
+    const Reach reach = in == Sides::none ? Reach::far : Reach::near;
+    const Scalar g = distance_to_core(shape_, axes * arm, in);
     out.value = g.v - shape_.radius;
-    if (derivatives == 0) return Reach::near;
+    if (derivatives == 0) return reach;
     Eigen::Matrix<double, 3, 15> J;
     J.leftCols<3>() = axes;
     J.middleCols<3>(3) = -axes;
@@ -235,7 +235,7 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
     }
     out.gradient.setZero(3 * stencils_[A].size());
     out.gradient.head<15>() = J.transpose() * g.d;
-    if (derivatives == 1) return Reach::near;
+    if (derivatives == 1) return reach;
     out.hessian.setZero(out.gradient.size(), out.gradient.size());
     out.hessian.topLeftCorner<15, 15>() = J.transpose() * g.dd * J;
     for (int i = 0; i < 3; ++i) {  // d2y_i = 2 (dx - do) . (dp_i - do) / L
@@ -245,7 +245,7 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
         out.hessian.block<3, 3>(0, 3) -= h, out.hessian.block<3, 3>(3, 0) -= h;
         out.hessian.block<3, 3>(3, 3) += 2 * h;
     }
-    return Reach::near;
+    return reach;
 }
 
 // What touches is the vertex, or the point of the ball that is nearest, against the point of the shape's

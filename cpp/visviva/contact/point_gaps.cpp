@@ -14,7 +14,7 @@ using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
-    stencils_.resize(n_), sides_.resize(n_);
+    stencils_.resize(n_), sides_.resize(n_), let_go_.resize(n_);
     if (options_.facets.empty()) return;
     Skin whole = skin_;
     whole.facets = options_.facets;
@@ -50,18 +50,31 @@ void PointGaps::find_middles(std::initializer_list<const double*> configurations
 // deep by what the step took, and the corner slid off that and comes back. It would be pushed out where
 // nothing holds what goes on from there.
 bool PointGaps::looks(const double* X, int A, const Vector3& normal) const {
-    if (around_.corners.empty() || !keeps_) return true;
+    if (around_.corners.empty()) return true;
     return around_.by_angles(X, A % (n_ / options_.copies)).normalized().dot(normal) < facing;
 }
 
+// A potential is one of the sides that a corner may have touched: by others it goes in and out freely.
 int PointGaps::side(const double* X, int A) const {
     if (sides_.start().empty() || deforms(A)) return Sides::nearest;
-    const int kept = sides_.of(A);
+    const int kept = sides_.of(A).face;
     if (kept >= 0 && keeps_) return kept;
-    if (!is_inside(X, A)) return Sides::nearest;
-    if (kept < 0) return entrance(sides_.start().data(), X, A);
+    const double* start = sides_.start().data();
+    if (is_inside(X, A)) return side_inside(X, A, kept);
+    const int out = kept < 0 ? Sides::nearest : entrance(X, start, A);
+    return out < 0 || touches(start, A, out) ? Sides::nearest : kept;
+}
+
+int PointGaps::side_inside(const double* X, int A, int kept) const {
+    const double* start = sides_.start().data();
+    if (kept < 0) {
+        const int came = entrance(start, X, A);
+        if (keeps_ || came < 0 || touches(start, A, came)) return came;
+        return static_ ? touched(X, A, came) : Sides::none;
+    }
     const int near = nearest_side(X, A);
-    return near < 0 || are_same(X, kept, near) || slides_out(X, A, kept, near) ? Sides::nearest : kept;
+    if (near < 0 || are_same(X, kept, near)) return Sides::nearest;
+    return touches(start, A, near) && slides_out(X, A, kept, near) ? Sides::nearest : kept;
 }
 
 // Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer:
@@ -73,17 +86,30 @@ bool PointGaps::slides_out(const double* X, int A, int in, int out) const {
 }
 
 // A vertex that slides along inside goes from facet to facet of its side, so that the side turns with a
-// curved surface and does not end at some angle from where it came in.
+// curved surface and does not end at some angle from where it came in. The force on what is found inside
+// begins from zero, so that it has no energy but what it has been given.
+Entered PointGaps::find_side(const double* X, int A) const {
+    const int came = side(X, A);
+    if (came == Sides::none) {
+        const int face = touched(X, A, Sides::nearest);
+        return {face, face < 0 ? 0.0 : std::max(depth(X, A, face), 0.0)};
+    }
+    const int near = nearest_side(X, A);
+    const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
+    const int face = came < 0 || follows ? near : came;
+    const double before = sides_.of(A).offset;
+    return {face, before > 0 && face >= 0 ? std::clamp(depth(X, A, face), 0.0, before) : 0.0};
+}
+
 bool PointGaps::settle(const double* X) {
     find_middles({X, start()});
-    return sides_.settle({X, X + skin_.constant.size()}, [&](std::vector<int>& sides) {
-        for (int A = 0; A < n_; ++A) {
-            if (deforms(A) || !is_inside(X, A)) continue;
-            const int came = side(X, A), near = nearest_side(X, A);
-            const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
-            sides[A] = came < 0 || follows ? near : came;
-        }
+    const std::vector<Entered> before = sides_.all();
+    const bool changed = sides_.settle({X, X + skin_.constant.size()}, [&](std::vector<Entered>& sides) {
+        for (int A = 0; A < n_; ++A)
+            if (!deforms(A) && is_inside(X, A)) sides[A] = find_side(X, A);
     });
+    for (int A = 0; A < n_; ++A) let_go_[A] = before[A].face >= 0 && sides_.of(A).face < 0;
+    return changed;
 }
 
 // The way of a vertex' stencil in a step, seen by the other body: straight, but for what turns.
@@ -176,7 +202,7 @@ int PointGaps::strays(const double* from, const double* to, const double* before
     std::iota(own.begin(), own.end(), 0);
     const Matrix3 turn = RigidMotion(from, to, own, options_.areas).turn;
     parallel_for(n_, [&](int A) {
-        if (stencils_[A].empty() || before[A] <= 0) return;
+        if (stencils_[A].empty() || before[A] <= 0 || sides_.of(A).offset > 0) return;
         if (before[A] + after[A] >= options_.areas[A] * way(from, to, A)) return;
         const Path path(*this, from, to, turn, A);
         const double area = options_.areas[A], near = (nudged(to, A) - At(to + 3 * A)).norm();
@@ -195,6 +221,7 @@ void PointGaps::values(const double* X, double* gap, double* area) {
         Distance d;
         const Reach reach = distance(X, A, 0, d);
         area[A] = reach == Reach::near ? options_.areas[A] : 0;
+        if (!static_) d.value += sides_.of(A).offset;
         gap[A] = options_.areas[A] * (reach == Reach::near ? d.value - options_.radius : options_.reach);
     });
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <initializer_list>
+#include <utility>
 
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/sides.hpp"
@@ -22,6 +23,7 @@ class PointGaps : public Gaps {
     bool settle(const double* X) override;
     int copies() const override { return options_.copies; }
     void keep_sides() override { keeps_ = true; }
+    bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void mark_tangent() override { sides_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { sides_.write(m); }
     void read_memory(const double*& m) override { sides_.read(m); }
@@ -43,14 +45,17 @@ class PointGaps : public Gaps {
     virtual std::vector<int> others(int vertex) const = 0;
     /// Bound of a vertex' motion relative to its neighbourhood.
     virtual double way(const double* from, const double* to, int vertex) const = 0;
-    /// Whether a vertex, or the middle of a ball, lies inside of the other body.
-    virtual bool is_inside(const double* X, int vertex) const = 0;
-    /// Of a vertex inside, the side that is nearest, and that by which it came in between two configurations;
-    /// Sides::nearest if that is not known.
+    /// Of a vertex, or the middle of a ball, inside of the other body, the side that is nearest, and that by
+    /// which it came in between two configurations; Sides::nearest if that is not known, or it is outside.
     virtual int nearest_side(const double* X, int vertex) const = 0;
+    bool is_inside(const double* X, int vertex) const { return nearest_side(X, vertex) >= 0; }
     virtual int entrance(const double* from, const double* to, int vertex) const = 0;
     virtual double depth(const double* X, int vertex, int side) const = 0;
     virtual bool are_same(const double* X, int side, int other) const = 0;
+    /// This side, if a corner of a rigid body may have touched it before its edges did, else the nearest that
+    /// it may.
+    virtual int touched(const double* /*X*/, int /*vertex*/, int side) const { return side; }
+    bool touches(const double* X, int vertex, int side) const { return touched(X, vertex, side) == side; }
     /// Whether a corner of a rigid body may touch a side with this normal: it faces that.
     bool looks(const double* X, int vertex, const Eigen::Vector3d& normal) const;
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
@@ -78,6 +83,8 @@ class PointGaps : public Gaps {
     bool cuts_through(const Path&, double before, double after, double near) const;
     bool turns_about(const Path&, const double* from, int vertex) const;
     bool slides_out(const double* X, int vertex, int in, int out) const;
+    int side_inside(const double* X, int vertex, int kept) const;
+    Entered find_side(const double* X, int vertex) const;
 
     PointOptions options_;
     Sides sides_;
@@ -87,7 +94,7 @@ class PointGaps : public Gaps {
         Eigen::Vector3d place;
     };
     mutable std::vector<Middle> middles_;
-    bool keeps_ = false;
+    bool keeps_ = false, static_ = false;
 };
 
 }  // namespace visviva

@@ -8,8 +8,20 @@
 
 namespace visviva {
 
-inline void write_side(std::vector<double>& m, int side) { m.push_back(side); }
-inline void read_side(const double*& m, int& side) { side = static_cast<int>(*m++); }
+/// A facet or a face of the body, and how deep a vertex was below it when it was found there: so deep it
+/// stores no energy.
+struct Entered {
+    int face = -1;
+    double offset = 0;
+    bool operator==(const Entered&) const = default;
+};
+inline void write_side(std::vector<double>& m, const Entered& side) {
+    m.insert(m.end(), {static_cast<double>(side.face), side.offset});
+}
+inline void read_side(const double*& m, Entered& side) {
+    side = {static_cast<int>(m[0]), m[1]};
+    m += 2;
+}
 
 /// Of every gap a `Side`, which write_side and read_side put into memory.
 template <class Side>
@@ -73,10 +85,11 @@ class SidesOf {
 };
 
 /// Sides of vertices, by numbers of facets or of faces.
-class Sides : public SidesOf<int> {
+class Sides : public SidesOf<Entered> {
   public:
     static constexpr int nearest = -1;  // of what is outside, or was not followed
-    Sides() : SidesOf(nearest) {}
+    static constexpr int none = -2;     // of what comes in where it cannot have touched: free for the step
+    Sides() : SidesOf({nearest, 0}) {}
 };
 
 }  // namespace visviva
