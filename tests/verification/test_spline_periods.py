@@ -55,6 +55,100 @@ def test_a_uniform_cell_deforms_alike(name: str) -> None:
     np.testing.assert_allclose(body.displacements(system.x), body.points @ G.T, atol=by_quadrature)
 
 
+def smooth(p: int, n: int, pairs: tuple[tuple[str, str], ...], *more: Any, **options: Any) -> vv.System:
+    """A cell whose splines go on beyond these sides, with what acts on it, held at a point."""
+    size, counts = tuple(SIZE[: len(pairs)]), (n, *(p + 1,) * (len(pairs) - 1))
+    body = vv.SplineSolid(
+        mesh=vv.SplineBox(size=size, counts=counts, degree=p),
+        **{"material": SOFT, "periodic": pairs, **options},
+    )
+    ground = vv.Ground()
+    return vv.System([body, ground, vv.Spherical(a=ground, b=body, at=(0, 0, 0)), *(f(body) for f in more)])
+
+
+def sides(pairs: tuple[tuple[str, str], ...], G: Any) -> Any:
+    return lambda body: vv.PeriodicFaces(solid=body, pairs=pairs, strain=G, times="t")
+
+
+@pytest.mark.parametrize(("p", "dimension"), [(1, 2), (2, 2), (3, 2), (4, 2), (2, 3)])
+def test_a_smooth_uniform_cell_deforms_alike(p: int, dimension: int) -> None:
+    G = GRADIENT.copy()
+    G[dimension:], G[:, dimension:] = 0, 0
+    system = smooth(p, p + 1, ALL[:dimension], sides(ALL[:dimension], G))
+    vv.quasi_static(system, until=1.0, step=0.5)
+    body = system.components[0]
+    np.testing.assert_allclose(body.displacements(system.x), body.points @ G.T, atol=1e-9)
+
+
+def waved(p: int, n: int, shift: float, pairs: Any = ALL[:2]) -> tuple[Array, Array, Array]:
+    """Places, displacements along x, and what they are, of a bar pulled by a wave of forces, which is their wave."""
+    k = 2 * np.pi / SIZE[0]
+    wave = lambda x: 1e-2 * np.sin(k * x + shift)  # noqa: E731
+
+    def pull(body: Any) -> vv.BodyForce:
+        return vv.BodyForce(solid=body, force=lambda t, X: 10.0 * wave(X[:, :1]) * [1, 0, 0])
+
+    steel = vv.LinearElastic(young=10.0, poisson=0.0)
+    system = smooth(p, n, ALL[:2], sides(ALL[:2], (0.01, 0, 0)), pull, material=steel, periodic=pairs)
+    vv.quasi_static(system, until=1.0, step=1.0)
+    body = system.components[0]
+    x = body.points[:, 0]
+    return x, body.displacements(system.x)[:, 0], 0.01 * x + (wave(x) - wave(0.0)) / k**2
+
+
+@pytest.mark.parametrize("p", [2, 3, 4])
+def test_waves_that_go_on_beyond_smooth_sides_have_the_order_of_splines(p: int) -> None:
+    errors = [np.abs(u - exact).max() for _, u, exact in (waved(p, n, 0.7) for n in (6, 12))]
+    assert errors[0] < 1e-5
+    assert np.log2(errors[0] / errors[1]) > p + 0.9
+
+
+@pytest.mark.parametrize("p", [2, 3, 4])
+def test_smooth_sides_are_places_as_others(p: int) -> None:
+    """A wave of forces moved by one span moves what it does by one span, to rounding; with places alone it does not."""
+    n, off = 6, []
+    for pairs in (ALL[:2], ()):
+        found = []
+        for shift in (0.7, 0.7 - 2 * np.pi / n):
+            x, u, _ = waved(p, n, shift, pairs)
+            _, once = np.unique(x.round(9), return_index=True)
+            found.append((u - 0.01 * x)[once][:-1])
+        moved = np.roll(found[0], len(found[0]) // n)
+        off.append(np.ptp(moved - found[1]) / np.ptp(found[0]))
+    assert off[0] < 1e-9
+    assert off[1] > 1e-6
+
+
+def test_a_smooth_cell_that_swings_keeps_energy_and_momentum() -> None:
+    body = vv.SplineSolid(
+        mesh=box(2, dimension=2),
+        material=SOFT,
+        density=1.0,
+        periodic=ALL[:2],
+        velocity=lambda X: np.sin(2 * np.pi * X[:, :1] / SIZE[0]) * [0.5, 0.3, 0] + [0.2, 0, 0],
+    )
+    system = vv.System([body, vv.PeriodicFaces(solid=body, pairs=ALL[:2])])
+    result = vv.simulate(system, until=0.5, step=0.02, project=True)  # as splines fit it, the wave has ends
+    assert result.conservation()["energy"] < 1e-11
+    momenta = np.array([result.ledger[f"momentum_{c}"] for c in "xy"])
+    assert np.ptp(momenta, axis=1).max() < 1e-11 * np.abs(momenta).max()
+    assert np.ptp(result.ledger["kinetic"]) > 0.1 * result.ledger["kinetic"].max()
+
+
+def test_refusals_of_smooth_sides() -> None:
+    body = vv.SplineSolid(mesh=box(2, dimension=2), material=SOFT, periodic=ALL[:1])
+    with pytest.raises(
+        vv.InputError, match=r"SplineSolid.*periodic = \('x0', 'x1'\) joins nothing by itself"
+    ):
+        vv.System([body])
+    with pytest.raises(vv.InputError, match=r"SplineSolid.*it is not smooth across the ends"):
+        vv.SplineSolid(mesh=box(2, dimension=2).parts()[0], material=SOFT, periodic=ALL[:1])
+    body = vv.SplineSolid(mesh=box(2, dimension=2), material=SOFT, periodic=ALL[:1])
+    parts = [body, vv.PeriodicFaces(solid=body, pairs=ALL[:1]), vv.Fixed(solid=body, nodes=[0])]
+    with pytest.raises(vv.InputError, match="attach a point to it"):
+        vv.System(parts)
+
+
 def swollen(mesh: Any, shift: Array, solid: Any = vv.SplineSolid, **options: Any) -> vv.Solid:
     """A cell with a round inclusion that grows, smoothly, its centre moved by a shift."""
 

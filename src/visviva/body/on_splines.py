@@ -19,6 +19,7 @@ from visviva.body.space import Table
 from visviva.body.spline_points import SplineFacePoints, SplinePoints
 from visviva.body.spline_space import SplineSpace, in_three
 from visviva.body.touching import Skin
+from visviva.component.values import Pairs
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineSource
@@ -53,11 +54,16 @@ class OnSplines(Solid):
 
     def _checked_mesh(self) -> Mesh:
         try:
-            self.splines = SplineSpace(self.mesh, (), self.thickness)
+            self.splines = SplineSpace(self.mesh, self._smooth_pairs, self.thickness, are_one=False)
             self._tables = self.splines.cells()
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         return self.splines.grid
+
+    @property
+    def _smooth_pairs(self) -> Pairs:
+        """Sides at which control points do not end, so that `PeriodicFaces` joins all that reach across."""
+        return ()
 
     # --- control points ------------------------------------------------------------------------------------
     @cached_property

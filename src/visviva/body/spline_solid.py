@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.base.errors import InputError
 from visviva.body.on_splines import OnSplines
 from visviva.body.solid_term import Elements, own_energy
 from visviva.body.space import Table
+from visviva.component.announcements import Repeating
 from visviva.component.component import settings
+from visviva.component.values import Pairs
 from visviva.mesh.spline import SplineSource
 from visviva.model.callback import callback_of
 
@@ -32,6 +35,9 @@ class SplineSolid(OnSplines):
     Parameters
     ----------
     mesh : SplineBox, SplinePatch or SplinePatches
+    periodic : sequence of (str, str)
+        Opposite sides of a `SplineBox` that `PeriodicFaces` of the same pairs, which is needed besides, joins with all
+        derivatives that splines have; without this, places alone. Nodes there cannot be held: a joint at a point can.
 
     Notes
     -----
@@ -53,6 +59,21 @@ class SplineSolid(OnSplines):
     """
 
     mesh: SplineSource
+    periodic: Pairs = ()
+
+    @property
+    def _smooth_pairs(self) -> Pairs:
+        return self.periodic
+
+    def declare(self, model: Model) -> None:
+        super().declare(model)
+        joined = [set(pair) for sides in model.announced(self, Repeating) for pair in sides.pairs]
+        for pair in self.periodic:
+            if set(pair) not in joined:
+                raise InputError(
+                    f"{self.label}: periodic = {tuple(pair)} joins nothing by itself: add vv.PeriodicFaces(solid=..., "
+                    "pairs=...) of this pair, or leave it out"
+                )
 
     def contribute(self, model: Model) -> None:
         self._starts_stress = self.tangent == "start"

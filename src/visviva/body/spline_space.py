@@ -73,6 +73,8 @@ class SplineSpace:
         Of a plane patch.
     level_at_sides : bool
         Whether the fields have no slope across sides of a `SplineBox` that are not periodic.
+    are_one : bool
+        Whether periodic sides share coefficients; else those that reach across a side stand on both, to be joined.
 
     Examples
     --------
@@ -88,11 +90,12 @@ class SplineSpace:
         periodic: Sequence[tuple[str, str]] = (),
         thickness: float = 1.0,
         level_at_sides: bool = False,
+        are_one: bool = True,
     ) -> None:
         directions = [direction_of(pair) for pair in periodic]
         self.patches, self.thickness = source.parts(directions), thickness
         if source.numbers is None:
-            alone = [numbering(self.patches[0], directions, level_at_sides)]
+            alone = [numbering(self.patches[0], directions if are_one else (), level_at_sides)]
             self.numbers = joined(self.patches, alone)
             self.is_welded = int(self.numbers[0].max()) < int(alone[0].max())
         else:

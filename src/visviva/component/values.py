@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
 
+from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.base.timefunction import TIME_SCHEMA, Expression, TimeFunction
 
@@ -303,6 +304,8 @@ def _name(faces: Any) -> str:
 
 FaceSet = Annotated[Any, BeforeValidator(_faces), PlainSerializer(_name), WithJsonSchema({"type": "string"})]
 """Faces of a solid: the name of a set, 'all' for the boundary, or `Faces`."""
+Pairs = Annotated[Sequence[tuple[str, str]], LISTED]
+"""Names of sets of faces that are taken for the same."""
 
 
 def _motion(value: Any) -> Any:

@@ -49,7 +49,8 @@ class PeriodicFaces(Component):
     they must stay as far apart as they are, moved alike at all times. Loads on paired faces are refused. What else
     nodes have, damages, entropies, temperatures and continuous pressures, images share: it goes on beyond the sides.
     Concentrations of `MixtureSolid` do by its `periodic`, which has to name the same pairs. Splines are continuous
-    across their sides, without their slopes; control points and weights of both have to be the same.
+    across their sides, with their slopes where `SplineSolid` names them `periodic`, too; control points and weights of
+    both have to be the same.
 
     Examples
     --------

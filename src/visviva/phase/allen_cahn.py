@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberAtPlace
+from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineSource
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.phase.cahn_hilliard import Pairs
 from visviva.phase.free_energy import FreeEnergy
 from visviva.phase.mobility import Mobility, mobility_of
 from visviva.phase.phase_body import PhaseBody

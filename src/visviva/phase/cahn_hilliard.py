@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.body.space import Table
 from visviva.body.spline_space import SplineSpace
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberAtPlace
+from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineBox, SplineSource
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
-Pairs = Annotated[Sequence[tuple[str, str]], LISTED]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -19,14 +19,14 @@ from visviva.body.solid_term import Elements
 from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
-from visviva.component.values import Matrix, Number, NumberAtPlace
+from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
 from visviva.mesh.periodic import numbering, partners
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.phase.cahn_hilliard import CahnHilliard, Pairs
+from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy
 from visviva.phase.mobility import Mobility
 
