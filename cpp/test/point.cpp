@@ -4,7 +4,9 @@
 #include "material_samples.hpp"
 #include "visviva/point/director_maps.hpp"
 #include "visviva/point/energies.hpp"
+#include "visviva/point/heated_branch.hpp"
 #include "visviva/point/quadratic.hpp"
+#include "visviva/point/thermoelastic_sheet.hpp"
 #include "visviva/point/thermoelastic_volumes.hpp"
 
 using namespace visviva;
@@ -60,7 +62,7 @@ TEST_CASE("point: discrete gradients give the change of energy, whole and in blo
 }
 
 TEST_CASE("point: discrete gradients of every material that conducts heat give the change of energy") {
-    Numbers numbers(4);
+    Numbers numbers(4), in_plane(6);
     for (const Material& material : materials) {
         if (material.kind == MaterialKind::hooke) continue;
         CAPTURE(material.name);
@@ -74,9 +76,10 @@ TEST_CASE("point: discrete gradients of every material that conducts heat give t
             check_gradient(ThermoelasticEnergy(par), 0.1 * numbers.vector(7), 0.1 * numbers.vector(7));
             check_gradient(ThermoelasticEnergyOf<CentreVolume<3>>(par), 0.1 * numbers.vector(13),
                            0.1 * numbers.vector(13));
-            check_gradient(ThermoelasticEnergyOf<CentreVolume<2>>(par), 0.1 * numbers.vector(13),
-                           0.1 * numbers.vector(13));
             check_gradient(VolumePressureEnergy(par), 0.1 * numbers.vector(9), 0.1 * numbers.vector(9));
+            check_gradient(ThermoelasticEnergyOf<CentreVolume<2>>(par), 0.1 * in_plane.vector(13),
+                           0.1 * in_plane.vector(13));
+            check_gradient(SheetEnergy(par), 0.1 * in_plane.vector(7), 0.1 * in_plane.vector(7));
         }
     }
 }
