@@ -242,9 +242,6 @@ class Shell(DirectorBody):
             first += len(part.cells)
         return ""
 
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x)
-
     def resultants_of_parts(self, x: Array) -> list[Array]:
         """Membrane forces, moments and shear forces (m, q, 8) per length, of the cells of each type."""
         parts = zip(self._stiffness_of_parts, self.strains_of_parts(x), strict=True)

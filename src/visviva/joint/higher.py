@@ -107,9 +107,6 @@ class RopeOverWinch(Joint, Limited):
         by_place = mass * self.length / step**2 if system.has_inertia and step else 0.0
         return ROUNDING * (by_place + float(np.abs(x[system.is_lasting_constraint]).max()))
 
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x)
-
     def constraints(self, A: Side, B: Side) -> Constraints:
         L = self.radius * self.winch.coordinate("angle") + self.length
         return [1 / (2 * self.length) * (squared(B.p - A.p) - product(L, L))]

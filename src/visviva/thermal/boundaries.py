@@ -360,9 +360,6 @@ class Radiation(ThroughFaces, Limited):
             return ""
         return f"{self.label} of {self.body.label} at {T:.4g}, where absolute zero is {self.zero:g}; take smaller steps"
 
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x)
-
     def law(self, time: float, X: Array, T: Array) -> tuple[Array, Array]:
         ambient = self._values.above_zero(time, X, self.zero)
         factor, T = self.emissivity * self.constant, T - self.zero

@@ -95,7 +95,7 @@ class HeatPort:
         return bool(np.array_equal(self.contents, self.temperatures))
 
 
-class HeatCarrier(Component, Limited):
+class HeatCarrier(Limited):
     """Base of bodies with temperatures at the nodes of a mesh.
 
     Attributes
@@ -122,9 +122,6 @@ class HeatCarrier(Component, Limited):
         """Where temperatures count from absolute zero, those of the step at or below it."""
         found = self._below_zero(x) if self.balances_entropy else ""
         return found or super().invalid(x)
-
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x) or super().trouble(x)
 
     def _below_zero(self, x: Array) -> str:
         own: Field = self.algorithmic  # type: ignore[attr-defined]

@@ -1,15 +1,29 @@
-"""Remarks on temperatures that count from absolute zero and look as if they were in degrees Celsius."""
+"""Temperatures that count from absolute zero: those not above it are refused, degrees Celsius remarked on."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
 ROOM = 5.0, 60.0
 """What is common in degrees Celsius and rare in kelvin: helium boils at 4.2 K, nitrogen freezes at 63 K."""
 ROOM_IN_KELVIN = 200.0, 350.0
 """Beside what is so warm, the cold end of a cryostat may well be in kelvin."""
+
+
+def refuse_below_zero(label: str, temperatures: ArrayLike) -> None:
+    """Refuse temperatures of what `label` names that are not above absolute zero.
+
+    Raises
+    ------
+    InputError
+    """
+    least = float(np.min(temperatures, initial=np.inf))
+    if not least > 0:
+        raise InputError(f"{label}: a temperature of {least:g} is not above absolute zero; give kelvin")
 
 
 def looks_celsius(T: Array) -> bool:

@@ -18,7 +18,7 @@ from visviva.component.values import Number
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import CURE, HeatPort
-from visviva.thermal.celsius import taken_for_kelvin
+from visviva.thermal.celsius import refuse_below_zero, taken_for_kelvin
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Lump(Component, Limited):
+class Lump(Limited):
     """Base of what has one entropy and one temperature.
 
     Attributes
@@ -53,10 +53,7 @@ class Lump(Component, Limited):
         for name in ("capacity", "reference"):
             if not getattr(self, name) > 0:
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
-        if not self.start_temperature > 0:
-            raise InputError(
-                f"{self.label}: a temperature of {self.start_temperature:g} is not above absolute zero; give kelvin"
-            )
+        refuse_below_zero(self.label, self.start_temperature)
 
     @property
     def start_temperature(self) -> float:
@@ -109,9 +106,6 @@ class Lump(Component, Limited):
     def invalid(self, x: Array) -> str:
         T = float(x[self.algorithmic.start])
         return "" if T > 0 else f"{self.label} has a temperature of {T:.4g} K in the step, {CURE}"
-
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)

@@ -21,6 +21,7 @@ from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law
+from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
@@ -94,8 +95,7 @@ class ThermalBeam(Beam, HeatCarrier):
     def _refuse_below_zero(self, label: str, T: Array, across: Array) -> None:
         """Mean temperatures (n,) and slopes (n, 2), at the contour of the section."""
         least = float((T[:, None] + across @ self.sections[0].contour().T).min(initial=np.inf))
-        if not least > 0:
-            raise InputError(f"{label}: a temperature of {least:g} is not above absolute zero; give kelvin")
+        refuse_below_zero(label, least)
 
     def _refuse_others(self) -> None:
         heat = self.heat

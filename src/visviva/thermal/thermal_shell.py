@@ -25,6 +25,7 @@ from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
@@ -113,11 +114,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         apart = self.difference(X) if callable(self.difference) else self.difference
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(middle, dtype=float), n))
         self._start_halves = 0.5 * np.array(np.broadcast_to(np.asarray(apart, dtype=float), n))
-        least = (self.start_temperatures - np.abs(self._start_halves)).min()
-        if not least > 0:
-            raise InputError(
-                f"{self.label}: a temperature of {least:g} is not above absolute zero; give kelvin"
-            )
+        refuse_below_zero(self.label, self.start_temperatures - np.abs(self._start_halves))
 
     def _refuse_others(self) -> None:
         if self.formulation != "displacement":
@@ -270,10 +267,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
         now, nodes = given.values(0.0), given.nodes
-        if np.any(now <= 0):
-            raise InputError(
-                f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
-            )
+        refuse_below_zero(owner.label, now)
         n, zero = self._n_modes, np.zeros((len(now), self._n_modes - 1))
         self.entropy.values.reshape(-1, n)[nodes] = np.column_stack([self.heat.start_entropy(now), zero])
         self.algorithmic.values.reshape(-1, n)[nodes] = np.column_stack([now, zero])

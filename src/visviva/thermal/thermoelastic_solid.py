@@ -29,6 +29,7 @@ from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.dilated_cells import CentreCells, PressedCells
 from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
@@ -119,11 +120,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         given = self.heat.reference if self.temperature is None else self.temperature
         found = given(self.points) if callable(given) else given
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), self.grid.n_nodes))
-        if not np.all(self.start_temperatures > 0):
-            raise InputError(
-                f"{self.label}: a temperature of {self.start_temperatures.min():g} is not above absolute zero; give "
-                "kelvin"
-            )
+        refuse_below_zero(self.label, self.start_temperatures)
         self._refuse_others()
 
     @property
@@ -359,10 +356,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         shared = given.shared(owner.label, self._number)
         nodes, values = shared.nodes, shared.values
         now, self._is_held = values(0.0), True
-        if np.any(now <= 0):
-            raise InputError(
-                f"{owner.label}: a temperature of {now.min():g} is not above absolute zero; give kelvin"
-            )
+        refuse_below_zero(owner.label, now)
         self.entropy.values[nodes] = self._resting_entropy(now)
         self.algorithmic.values[nodes] = now
         model.refresh(self.entropy)
