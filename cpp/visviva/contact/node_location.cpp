@@ -29,9 +29,10 @@ double beside(const Found& found, const Vector3& x) {
 
 }  // namespace
 
-// The closest simplex of all, or of those that face the vertex; where several meet at the closest point, the
-// one on whose side of it the vertex lies. Where the vertex belongs to a side, of what looks there.
-Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) const {
+// The closest simplex to a place of the vertex of all, or of those that face it; where several meet at the
+// closest point, the one on whose side of it the place is. Where the vertex belongs to a side, of what looks
+// there.
+Found NodeToSegment::pick(const double* X, int A, const Vector3& x, bool only_facing, int side) const {
     Found found;
     Vector3 own;
     if (!normals_.normal(X, A, own.data())) own.setZero();
@@ -47,26 +48,36 @@ Found NodeToSegment::pick(const double* X, int A, bool only_facing, int side) co
             const Vector3 n = facet.normal(s);
             const bool faces = own.isZero() || own.dot(n) < facing;
             if (n.isZero() || (only_facing && !faces)) continue;
-            const Foot foot = closest(facet, s, At(X + 3 * A));
+            const Foot foot = closest(facet, s, x);
             if (before.is(c.facet, s)) {
                 kept = {&c, facet, foot, {}, n, 0, faces};
-                kept_aside = beside(kept, At(X + 3 * A));
+                kept_aside = beside(kept, x);
             }
             if (foot.distance > (1 + same) * least) continue;
-            const double side = towards(facet, foot, At(X + 3 * A));
+            const double side = towards(facet, foot, x);
             if (foot.distance >= (1 - same) * least && side <= aside) continue;
             least = foot.distance, aside = side;
             found = {&c, facet, foot, {}, n, 0, faces};
         }
     }
-    if (!kept.candidate) return found;
-    const double jump = std::abs(std::abs(above(kept, At(X + 3 * A))) - least);
+    if (!kept.candidate || passes_by(X, A, x, kept, found)) return found;
+    const double jump = std::abs(std::abs(above(kept, x)) - least);
     const bool is_near = !exact_ || deforms(A) || jump <= same_place * kept.facet.size();
     kept.stays = (kept_aside <= same_place && is_near) ||
                  (static_ && kept_aside <= near_place && jump <= near_gap * kept.facet.size());
     kept.goes_on = !kept.stays && before.touches && meets_wall(X, A, kept, found);
     kept.stays = kept.stays || kept.goes_on;
     return kept.stays ? kept : found;
+}
+
+// Whether a vertex of a rigid body has come behind what it was above around an edge, outside of the body:
+// what slides on a face passes the walls that end there.
+bool NodeToSegment::passes_by(const double* X, int A, const Vector3& x, const Found& kept,
+                              const Found& found) const {
+    if (deforms(A) || above(kept, x) >= 0 || !found.candidate) return false;
+    if (are_same(X, kept.candidate->facet, found.candidate->facet)) return false;
+    Found there = found;
+    return sign(X, x, there) == Reach::near && there.value + there.normal.dot(nudged(X, A) - x) >= 0;
 }
 
 // Whether what a vertex has come to in a step leans to what it touched when that began. It goes on along that
@@ -126,9 +137,8 @@ Vector3 NodeToSegment::outwards(const double* X, const Found& found, bool& borde
 }
 
 // The signed distance and its gradient.
-PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const {
+PointGaps::Reach NodeToSegment::sign(const double* X, const Vector3& x, Found& found) const {
     if (!found.candidate) return Reach::far;
-    const At x(X + 3 * A);
     const FacetShape& facet = found.facet;
     const double d = found.foot.distance;
     found.value = above(found, x);
@@ -152,12 +162,17 @@ PointGaps::Reach NodeToSegment::sign(const double* X, int A, Found& found) const
     return Reach::near;
 }
 
-// If it lies behind what is nearest, or by rounding before it.
+// If it lies behind what is nearest, or by rounding before it. What is outside around an edge, as its body
+// leads away from both facets there, has none: the way that it goes on tells.
 int NodeToSegment::nearest_side(const double* X, int A) const {
     Found found;
-    const bool is_inside =
-        locate_nearest(X, A, found) == Reach::near && found.value < same_place * found.facet.size();
-    return is_inside ? found.candidate->facet : Sides::nearest;
+    const bool is_inside = locate_nearest(X, A, At(X + 3 * A), found) == Reach::near &&
+                           found.value < same_place * found.facet.size();
+    if (!is_inside || locate_nearest(X, A, nudged(X, A), found) != Reach::near) return Sides::nearest;
+    const double* shares = found.foot.coordinate;
+    const bool is_beside = found.foot.n < found.facet.dim ||
+                           std::any_of(shares, shares + found.foot.n, [](double share) { return share < 0; });
+    return found.value > 0 && is_beside ? Sides::nearest : found.candidate->facet;
 }
 
 // Whether what is found is beyond a side: of another one, or on what that shares with another one.
@@ -231,36 +246,37 @@ int NodeToSegment::touched(const double* X, int A, int side) const {
 
 // What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of
 // a thin body.
-PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, Found& found) const {
-    found = pick(X, A, false, Sides::nearest);
-    const Reach reach = sign(X, A, found);
+PointGaps::Reach NodeToSegment::locate_nearest(const double* X, int A, const Vector3& x, Found& found) const {
+    found = pick(X, A, x, false, Sides::nearest);
+    const Reach reach = sign(X, x, found);
     if (found.faces || found.value >= 0) return reach;
-    found = pick(X, A, true, Sides::nearest);
-    return sign(X, A, found);
+    found = pick(X, A, x, true, Sides::nearest);
+    return sign(X, x, found);
 }
 
 // What is nearest of a side, as if it went on.
 Found NodeToSegment::plane_of(const double* X, int A, int side) const {
-    Found found = pick(X, A, false, side);
+    Found found = pick(X, A, At(X + 3 * A), false, side);
     if (found.candidate) found.foot = whole(found.facet, found.foot.simplex, At(X + 3 * A));
     return found;
 }
 
 double NodeToSegment::depth(const double* X, int A, int side) const {
     Found found = plane_of(X, A, side);
-    return sign(X, A, found) == Reach::near ? -found.value : HUGE_VAL;
+    return sign(X, At(X + 3 * A), found) == Reach::near ? -found.value : HUGE_VAL;
 }
 
 // What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     if (!static_ && held_[A].facet >= 0) return locate_held(X, A, found);
     if (A >= n_own()) return Reach::far;
-    Reach reach = locate_nearest(X, A, found);
+    const At x(X + 3 * A);
+    Reach reach = locate_nearest(X, A, x, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
     if (came == Sides::none) return Reach::far;
     if (came >= 0 && !found.goes_on && leaves(X, A, found, came)) {
         found = plane_of(X, A, came);
-        reach = sign(X, A, found);
+        reach = sign(X, x, found);
     }
     const bool deep =
         reach == Reach::near && options_.radius - found.value > sight(A, found.candidate->facet);

@@ -81,7 +81,7 @@ class NodeToSegment : public PointGaps {
     FacetShape shape(const double* X, int facet) const;
     double sight(int A, int facet) const;
     double seen_inside(int A, int facet) const;
-    Found pick(const double* X, int A, bool only_facing, int side) const;
+    Found pick(const double* X, int A, const Vector3& x, bool only_facing, int side) const;
     struct Touched;
     std::vector<Touched> touched(const double* X, int A) const;
     std::vector<Touched> bottoms(const std::vector<Touched>&) const;
@@ -89,11 +89,12 @@ class NodeToSegment : public PointGaps {
     static bool goes_on(const Touched& other, const Touched& t);
     void spread(std::vector<Touched>&) const;
     void share_out(const double* X, int A);
-    Reach locate_nearest(const double* X, int A, Found& found) const;
+    Reach locate_nearest(const double* X, int A, const Vector3& x, Found& found) const;
     Found plane_of(const double* X, int A, int side) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
+    bool passes_by(const double* X, int A, const Vector3& x, const Found& kept, const Found& found) const;
     bool meets_wall(const double* X, int A, const Found& kept, const Found& found) const;
-    Reach sign(const double* X, int A, Found& found) const;
+    Reach sign(const double* X, const Vector3& x, Found& found) const;
     static void set_parts(const Found&, Eigen::VectorXd& masses);
     void make_topology();
     Vector3 outwards(const double* X, const Found& found, bool& border) const;

@@ -48,6 +48,12 @@ const Scalar* deepest(const Scalar (&q)[3], int n) {
     return std::max_element(q, q + n, [](const Scalar& a, const Scalar& b) { return a.v < b.v; });
 }
 
+// What is outside around an edge, as its body leads away from both sides there, has none: the way that it
+// goes on tells.
+bool beyond_edge(const Scalar (&q)[3], int n) {
+    return std::count_if(q, q + n, [](const Scalar& excess) { return excess.v > 0; }) > 1;
+}
+
 // Outside the core the distance to it, inside minus the distance to its surface, or to one side of it.
 Scalar distance_to_core(const ObstacleShape& shape, const Vector3& y, int side) {
     Scalar q[3];
@@ -163,8 +169,9 @@ int Obstacle::nearest_side(const double* X, int A) const {
     if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return Sides::nearest;
     const Vector3 inner = local(X, nudged(X, A));
     const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
-    const Scalar* nearest = deepest(q, excesses(shape_, inner, q));
-    return nearest->v < touching ? static_cast<int>(nearest - q) : Sides::nearest;
+    const int n = excesses(shape_, inner, q);
+    const Scalar* nearest = deepest(q, n);
+    return nearest->v < touching && !beyond_edge(q, n) ? static_cast<int>(nearest - q) : Sides::nearest;
 }
 
 double Obstacle::depth(const double* X, int A, int side) const {
@@ -180,7 +187,8 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
     double latest = 0;
     int side = Sides::nearest;
     Scalar q[3];
-    const int n = excesses(shape_, start, q);
+    const int n = excesses(shape_, end, q);
+    if (beyond_edge(q, n)) return side;
     for (int k = 0; k < n; ++k) {
         excesses(shape_, start, q);
         if (q[k].v < on_edge()) continue;

@@ -104,7 +104,7 @@ void NodeToSegment::spread(std::vector<Touched>& kept) const {
 // edges within the step.
 void NodeToSegment::share_out(const double* X, int A) {
     Found nearest, own;
-    if (locate_nearest(X, A, nearest) != Reach::near) return;
+    if (locate_nearest(X, A, At(X + 3 * A), nearest) != Reach::near) return;
     // what hovers above the nearest one, however little, is not behind what lies beyond the body
     const bool is_ball = options_.radius > 0;
     const double least = is_ball ? same_place * nearest.facet.size() : closed * options_.reach;

@@ -1,0 +1,164 @@
+"""Rigid boxes that slide flush on others without friction: nothing acts along their faces, also over edges.
+
+Walls that end at the face still stop what is driven against them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+
+SIZE = (0.4, 0.4, 0.1)
+SHAPES = ["box", "mesh", "finer"]
+FEW = {"box": 24, "mesh": 24, "finer": 4}
+"""Placements by chance; those of finer meshes are slow."""
+
+
+def halved(points: list[Any], triangles: list[Any]) -> tuple[list[Any], list[Any]]:
+    """Each triangle by the middles of its edges."""
+    points, middles, finer = list(points), {}, []
+
+    def middle(a: int, b: int) -> int:
+        key = (min(a, b), max(a, b))
+        if key not in middles:
+            middles[key] = len(points)
+            points.append(0.5 * (np.array(points[a]) + points[b]))
+        return middles[key]
+
+    for a, b, c in triangles:
+        ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
+        finer += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    return points, finer
+
+
+def shape_of(kind: str, size: tuple[float, float, float] = SIZE) -> Any:
+    """An exact box, the same of 12 triangles, or of 48."""
+    box = vv.Box(size=size)
+    if kind == "box":
+        return box
+    points, triangles = box.surface()
+    if kind == "finer":
+        points, triangles = halved(list(points), list(triangles))
+    return vv.SurfaceMesh(points=points, triangles=triangles)
+
+
+def held(
+    kind: str, places: list[float], size: tuple[float, float, float] = SIZE
+) -> tuple[list[Any], list[Any]]:
+    """Boxes beside each other, and all that holds them."""
+    ground, shape = vv.Ground(), shape_of(kind, size)
+    below = [vv.RigidBody(shape=shape, density=1e3, position=(x, 0, 0)) for x in places]
+    return below, [ground, *below, *(vv.Rigid(a=ground, b=b, at=(0, 0, 0)) for b in below)]
+
+
+def thrown(kind: str, place: Any, angle: float, velocity: Any, spin: float = 0.0) -> vv.RigidBody:
+    c, s = np.cos(angle), np.sin(angle)
+    return vv.RigidBody(
+        shape=shape_of(kind),
+        density=1e3,
+        position=place,
+        rotation=[[c, -s, 0], [s, c, 0], [0, 0, 1]],
+        velocity=(*velocity, 0),
+        angular_velocity=(0, 0, spin),
+    )
+
+
+def keeps_its_motion(
+    kind: str,
+    places: list[float],
+    above: vv.RigidBody,
+    loaded: bool,
+    until: float,
+    step: float,
+    **options: Any,
+) -> None:
+    """Velocities along the faces, and that about their normal, stay; so does the height."""
+    below, parts = held(kind, places, options.get("size", SIZE))
+    pairs = [(b, above) if options.get("exchanged") else (above, b) for b in below]
+    contacts = [vv.Contact(first=first, second=second, stiffness=1e7) for first, second in pairs]
+    system = vv.System([*parts, above, *contacts, *([vv.Gravity()] if loaded else [])])
+    before = vv.Velocity(of=above)(system), vv.AngularVelocity(of=above)(system)
+    vv.simulate(system, until=until, step=step)
+    assert vv.Velocity(of=above)(system) == pytest.approx(before[0], abs=1e-9)
+    assert vv.AngularVelocity(of=above)(system) == pytest.approx(before[1], abs=1e-9)
+    assert vv.Position(of=above)(system)[2] == pytest.approx(0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_boxes_slide_over_edges_of_equal_ones(kind: str, loaded: bool, exchanged: bool) -> None:
+    """Corners that came back over an edge were thrown back by the wall that ends there.
+
+    Loaded ones stay with their middles above the lower one, so that they do not tip over.
+    """
+    for seed in range(FEW[kind] // (2 if exchanged else 1)):
+        random = np.random.default_rng(seed)
+        angle, spin = random.uniform(0, np.pi), random.uniform(-0.6, 0.6)
+        begin, end = random.uniform(-0.17, 0.17, (2, 2))
+        velocity = (end - begin) * (1 if loaded else 2)
+        above = thrown(kind, (*begin, 0.1), angle, velocity, spin)
+        keeps_its_motion(kind, [0], above, loaded, 1.0, 0.04, exchanged=exchanged)
+
+
+EDGE = 0.2 - 0.4 * np.sqrt(0.5)
+"""Where a box turned by 45 degrees has a corner on the edge."""
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize(
+    ("place", "angle", "velocity", "spin"),
+    [
+        ((0, 0), 0, (0.1, 0.2), 0),
+        ((0, 0), 0, (0, 0), 0.5),
+        ((0.1, 0.1), 0, (-0.3, -0.1), 0.3),
+        ((EDGE, 0), np.pi / 4, (-0.2, 0.03), 0.2),
+        ((0, 0), np.pi / 4, (0.1, 0.2), 0.3),
+    ],
+)
+def test_boxes_slide_from_where_corners_are_on_edges(
+    kind: str, loaded: bool, place: Any, angle: float, velocity: Any, spin: float
+) -> None:
+    keeps_its_motion(kind, [0], thrown(kind, (*place, 0.1), angle, velocity, spin), loaded, 0.3, 0.01)
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize(
+    ("x", "angle", "velocity", "spin"),
+    [
+        (-0.2, 0, (0.3, 0), 0),
+        (-0.2, 0, (0.3, 0.1), 0.2),
+        (-0.2 + 1e-12, 0, (0.3, 0), 0),
+        (-0.2 - 1e-9, 0, (0.3, 0), 0),
+        (-0.25, 0, (1, 0), 0),
+        (-0.31, 0.4, (0.5, 0.1), 0.5),
+    ],
+)
+def test_boxes_slide_from_one_to_another_beside_it(
+    kind: str, loaded: bool, x: float, angle: float, velocity: Any, spin: float
+) -> None:
+    """Over the seam, at which faces of both begin steps: the next one stopped it."""
+    above = thrown(kind, (x, 0.1, 0.1), angle, velocity, spin)
+    keeps_its_motion(kind, [-0.3, 0.3], above, loaded, 0.3, 0.01, size=(0.6, 1, 0.1))
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("angle", [0, 0.3, np.pi / 4])
+@pytest.mark.parametrize("low", [1e-6, 1e-3, 0.02, 0.1])
+def test_walls_stop_what_is_driven_against_them(kind: str, angle: float, low: float) -> None:
+    """A face or a corner in front, whose lower end is by `low` below the upper one of the wall, which is 0.1 high."""
+    below, parts = held(kind, [0])
+    first = -0.2 * (1 + abs(np.cos(angle)) + abs(np.sin(angle)))  # where it touches
+    above = thrown(kind, (first - 0.0437, 0.013, 0.1 - low), angle, (1, 0))
+    system = vv.System([*parts, above, vv.Contact(first=above, second=below[0], stiffness=1e7)])
+    result = vv.simulate(system, until=0.1, step=0.01)
+    assert vv.Velocity(of=above)(system)[0] < 0.5
+    assert vv.Position(of=above)(system)[0] < first + 0.06
+    energy = result.ledger["total"]
+    assert np.diff(energy).max() < 1e-9 * energy[0]
