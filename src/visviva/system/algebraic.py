@@ -61,6 +61,8 @@ def find_linear(system: System, unknowns: Ints) -> None:
     from scipy.sparse.linalg import cg
 
     r, K, at = equations(system, unknowns)
+    if not len(at):
+        return
     inverse = sp.diags_array(1 / K.diagonal())
     system.x[at] -= cg(K, _tested(K, r), M=inverse, rtol=ROUNDING, maxiter=1000)[0]
 
@@ -94,6 +96,8 @@ def _solve(system: System, unknowns: Ints) -> None:
     start = system.x.copy()
     for _ in range(MOST):
         r, K, at = equations(system, unknowns)
+        if not len(at):  # all are given, as free strains are
+            return
         try:
             change = splu(K.tocsc()).solve(r)
         except RuntimeError:  # singular
