@@ -112,10 +112,10 @@ def test_plate_pressed_onto_a_plane() -> None:
     assert contact.pressures[0] == pytest.approx(100 / (1 - 0.09) * -np.log(stretch), rel=0.03)
 
 
-def test_self_contact_needs_a_penalty() -> None:
+def test_self_contact_by_mortar_needs_two_parts() -> None:
     mesh = vv.RectangleMesh(size=(1.0, 0.5), counts=(3, 2)).build()
     plate = vv.Solid(mesh=mesh, material=RUBBER, density=2.0)
-    with pytest.raises(vv.InputError, match="enforcement='penalty'"):
-        vv.Contact(first=plate)
+    with pytest.raises(vv.InputError, match="by formulation='node-to-segment'"):
+        vv.Contact(first=plate, formulation="mortar")
     with pytest.raises(vv.InputError, match="leave out second for self-contact"):
         vv.System([plate, vv.Contact(first=plate, second=plate)])

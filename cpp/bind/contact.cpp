@@ -198,13 +198,13 @@ void bind_gaps(nb::module_& m) {
     m.def(
         "self_contact",
         [](const Skin& skin, const Doubles& areas, const Doubles& behind, double reach, bool rubs,
-           const Doubles& places) {
+           const Doubles& places, const Doubles& starts, const Doubles& ends) {
             return shared(make_self_contact(
                 skin, {vector_of<double>(areas), vector_of<double>(behind), 0, reach, rubs, {}, 0},
-                vector_of<double>(places)));
+                {vector_of<double>(places), vector_of<double>(starts), vector_of<double>(ends)}));
         },
         nb::arg("skin"), nb::arg("areas"), nb::arg("behind"), nb::arg("reach"), nb::arg("rubs"),
-        nb::arg("places"));
+        nb::arg("places"), nb::arg("starts"), nb::arg("ends"));
     m.def(
         "obstacle",
         [](const Skin& skin, const Doubles& areas, double radius, const Ints& turning, int core,

@@ -166,9 +166,13 @@ struct PointOptions {
 /// Distances to the closest points of the second surface's facets.
 std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options);
 
-/// Of a surface to itself; what a vertex lies behind at the `places` of all vertices at rest, within reach,
-/// is the other side of its own body.
-std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places);
+/// A surface that touches itself: what a vertex lies behind at the `places` of all vertices at rest, within
+/// reach, is the other side of its own body. Vertices touch those facets alone whose `ends` are farther along
+/// the surface than their own `starts`, so that what meets is not held from both sides.
+struct OwnSurface {
+    std::vector<double> places, starts, ends;
+};
+std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, OwnSurface own);
 
 /// A shape in a frame; round about the third axis, or with edges along the axes.
 struct ObstacleShape {

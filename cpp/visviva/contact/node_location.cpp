@@ -278,9 +278,9 @@ PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) con
         found = plane_of(X, A, came);
         reach = sign(X, x, found);
     }
-    const bool deep =
-        reach == Reach::near && options_.radius - found.value > sight(A, found.candidate->facet);
-    return deep ? Reach::far : reach;
+    if (reach != Reach::near) return reach;
+    const int facet = found.candidate->facet;
+    return holds(A, facet) && options_.radius - found.value <= sight(A, facet) ? Reach::near : Reach::far;
 }
 
 }  // namespace visviva::node_to_segment

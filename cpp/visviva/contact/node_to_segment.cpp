@@ -9,8 +9,8 @@ namespace visviva {
 
 namespace node_to_segment {
 
-NodeToSegment::NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest)
-    : PointGaps(std::move(skin), std::move(options)), rest_(std::move(rest)), candidates_(n_) {
+NodeToSegment::NodeToSegment(Skin skin, PointOptions options, OwnSurface own)
+    : PointGaps(std::move(skin), std::move(options)), own_(std::move(own)), candidates_(n_) {
     normals_.build(skin_);
     make_topology();
     kept_.resize(n_), held_.resize(n_);
@@ -45,19 +45,23 @@ void NodeToSegment::make_topology() {
     if (skin_.dim == 2)
         for (int v = 0; v < skin_.n_vertices(); ++v) border_[v] = of[v].size() == 1;
     if (!touches_itself()) return;
-    near_.resize(n_);
-    for (int A = 0; A < n_; ++A)
+    near_.resize(n_), sharp_.resize(n_);
+    for (int A = 0; A < n_; ++A) {
+        Vector3 sum = Vector3::Zero();
+        for (int f : of[A]) sum += shape(own_.places.data(), f).normal(0);
+        sharp_[A] = border_[A] || sum.norm() < smooth * static_cast<double>(of[A].size());
         for (int f : of[A])
             for (int i = 0; i < skin_.n_corners(f); ++i) {
                 const auto& more = of[skin_.corners(f)[i]];
                 near_[A].insert(near_[A].end(), more.begin(), more.end());
             }
+    }
 }
 
 // A facet that bounds the same piece of the body from the other side lies behind the vertex from the start.
 bool NodeToSegment::is_other_side(int A, int f) const {
-    const FacetShape facet = shape(rest_.data(), f);
-    const At x(&rest_[3 * A]);
+    const FacetShape facet = shape(own_.places.data(), f);
+    const At x(&own_.places[3 * A]);
     for (int s = 0; s < facet.n_simplices(); ++s)
         if (closest(facet, s, x).distance < 2 * options_.reach &&
             (x - facet.corner[facet.vertex(s, 0)]).dot(facet.normal(s)) < 0)
@@ -65,9 +69,29 @@ bool NodeToSegment::is_other_side(int A, int f) const {
     return false;
 }
 
+// Where a mouth closes, as at the tip of a slot, its sides are neighbours: all facets about the vertex face
+// them.
+bool NodeToSegment::faces_at_rest(int A, int f) const {
+    const Vector3 normal = shape(own_.places.data(), f).normal(0);
+    return std::all_of(near_[A].begin(), near_[A].end(), [&](int g) {
+        const int *corners = skin_.corners(g), *end = corners + skin_.n_corners(g);
+        return std::find(corners, end, A) == end ||
+               shape(own_.places.data(), g).normal(0).dot(normal) < facing;
+    });
+}
+
+// Parts that meet hold each other from one side alone, but what is sharp holds itself where the other part
+// has no vertex like that: it would sink in between two of them.
+bool NodeToSegment::holds(int A, int f) const {
+    if (!touches_itself() || own_.starts[A] < own_.ends[f]) return true;
+    const int* corners = skin_.corners(f);
+    return sharp_[A] && std::none_of(corners, corners + skin_.n_corners(f), [&](int v) { return sharp_[v]; });
+}
+
 bool NodeToSegment::excluded(int A, int f) const {
     if (!touches_itself()) return false;
-    return std::find(near_[A].begin(), near_[A].end(), f) != near_[A].end() || is_other_side(A, f);
+    if (is_other_side(A, f)) return true;
+    return std::find(near_[A].begin(), near_[A].end(), f) != near_[A].end() && !faces_at_rest(A, f);
 }
 
 bool NodeToSegment::search(const double* from, const double* to) {
@@ -287,12 +311,12 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
 
 std::unique_ptr<Gaps> make_node_to_segment(Skin skin, PointOptions options) {
     return std::make_unique<node_to_segment::NodeToSegment>(std::move(skin), std::move(options),
-                                                            std::vector<double>());
+                                                            OwnSurface());
 }
 
-std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, std::vector<double> places) {
+std::unique_ptr<Gaps> make_self_contact(Skin skin, PointOptions options, OwnSurface own) {
     return std::make_unique<node_to_segment::NodeToSegment>(std::move(skin), std::move(options),
-                                                            std::move(places));
+                                                            std::move(own));
 }
 
 }  // namespace visviva

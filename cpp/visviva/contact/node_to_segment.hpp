@@ -22,6 +22,7 @@ constexpr double closed = 1e-9;     // part of the reach: rounding opens nothing
 constexpr double apart = 1e-6;      // by a facet's size: what touches nearer together is the same
 constexpr double same_side = 0.5;   // least agreement of normals of one side of a body
 constexpr double between = 1e-10;   // so far beside a facet what comes in between two of them still meets it
+constexpr double smooth = 0.94;     // least mean of the unit normals about a vertex that is not sharp
 constexpr double on_border = 1e-9;  // and so close to a border as not beyond it
 // Radius, by a facet's size, with which bodies are rounded off beyond the borders of their surfaces: what
 // slides off is let go without a jump. From a sharp corner it would snap off.
@@ -46,7 +47,7 @@ struct Found {
 
 class NodeToSegment : public PointGaps {
   public:
-    NodeToSegment(Skin skin, PointOptions options, std::vector<double> rest);
+    NodeToSegment(Skin skin, PointOptions options, OwnSurface own);
     bool search(const double* from, const double* to) override;
     bool settle(const double* X) override;
     bool roams(const double* X, int vertex) const override;
@@ -74,9 +75,11 @@ class NodeToSegment : public PointGaps {
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
     bool turns() const { return !options_.turning.empty(); }  // balls that rub
     int edge_end(int A) const { return normals_.corners[normals_.start[A]].next; }
-    bool touches_itself() const { return !rest_.empty(); }
+    bool touches_itself() const { return !own_.places.empty(); }
     bool excluded(int vertex, int facet) const;
     bool is_other_side(int vertex, int facet) const;
+    bool faces_at_rest(int vertex, int facet) const;
+    bool holds(int vertex, int facet) const;
     void make_stencil(int A, const std::vector<int>& facets);
     FacetShape shape(const double* X, int facet) const;
     double sight(int A, int facet) const;
@@ -118,13 +121,14 @@ class NodeToSegment : public PointGaps {
     std::vector<Held> held_;
     int n_own() const { return n_ / options_.copies; }
     bool exact_ = false;
-    std::vector<double> rest_;  // places, if the surface may touch itself
+    OwnSurface own_;  // if it may touch itself
     NormalField normals_;
     PointSearch near_facets_;
     std::vector<std::vector<Candidate>> candidates_;
     std::vector<int> across_;   // [facet][corner]: the facet beyond the edge to the next corner, or -1
     std::vector<char> border_;  // of vertices
     std::vector<std::vector<int>> near_;  // facets that a vertex shares with itself and its neighbours
+    std::vector<char> sharp_;             // vertices at sharp edges and borders, if it may touch itself
 };
 
 }  // namespace visviva::node_to_segment

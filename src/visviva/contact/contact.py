@@ -59,14 +59,15 @@ class Contact(Component):
         Gaps belong to the vertices of this surface, which should be the finer one: facets of a rigid body that are
         larger than all of `second` are refused.
     second : Solid, Shell, Beam, RigidBody, Plane or Obstacle, optional
-        What it touches; if left out the first surface touches itself, by vertices and with a penalty.
+        What it touches; if left out the first surface touches itself, by vertices, with a penalty or, in statics,
+        multipliers.
     first_faces, second_faces : str or Faces
         Which part of the surface, by the name of a set of faces, of rigid bodies of a face of their shape, of shells
         'upper' or 'lower', or an edge for the rim there, of a `PlaneBeam` 'left', 'right' or 'ends'; 'all' for the
         whole boundary, of shells both sides and rim.
     formulation : {'mortar', 'node-to-segment'}, optional
-        By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, and between rigid
-        bodies, of which the check says it, else 'mortar'.
+        By default 'node-to-segment' where `first` is a ball or a point, for which it is exact, where it touches itself,
+        and between rigid bodies, of which the check says it, else 'mortar'.
         'mortar': the gap is averaged over the segments that facets of both surfaces have in common.
         'node-to-segment': the distance of vertices of the first surface to the closest points of the second one's
         facets, edges and vertices; simpler and quicker, but constant pressure is not transferred exactly. Then rigid
@@ -187,11 +188,10 @@ class Contact(Component):
     def __post_init__(self) -> None:
         check_bars(self)
         self.is_mortar = self._is_mortar()
-        by_points = self.formulation == "node-to-segment" or is_bar(self.first)
-        if self.second is None and not (self.enforcement == "penalty" and by_points):
+        if self.second is None and self.is_mortar:
             raise InputError(
-                f"{self.label}: without second a surface touches itself, which needs enforcement='penalty' and "
-                "formulation='node-to-segment'"
+                f"{self.label}: without second a surface touches itself, by formulation='node-to-segment'; for "
+                "mortar contact give parts that meet as first_faces and second_faces, both of the same body"
             )
         check_multipliers(self)
         check_restitution(self)
@@ -209,6 +209,8 @@ class Contact(Component):
         """Vertices are exact for balls and points; means over the large facets of rigid bodies let corners sink."""
         if self.formulation is not None:
             return self.formulation == "mortar"
+        if self.second is None:
+            return False
         feelers = self.first.feelers()
         is_ball = feelers is not None and len(feelers[0]) == 1
         is_rigid = not mesh_bodies(self.first, self.second)

@@ -59,6 +59,10 @@ def check_multipliers(contact: Contact) -> None:
             f"friction = {contact.friction:g}, or take multipliers='standard' with condensed=False"
         )
     second = contact.second
+    if condensed and second is None:
+        raise InputError(
+            f"{label}: condensed=True is for two surfaces, and here one touches itself; leave it out"
+        )
     exact = second is not None and second.surface() is None and second.outline() is not None
     if dual and (not contact.is_mortar or exact):
         raise InputError(
@@ -141,6 +145,11 @@ def check_schemes(contact: Contact, scheme: Scheme) -> None:
         raise InputError(
             f"{label}: {scheme!r} remembers accelerations, which an impact by multipliers makes wrong, and adds energy "
             "then; take EnergyMomentum() or BackwardEuler(), or enforcement='penalty'"
+        )
+    if contact.second is None and contact.enforcement == "multipliers" and scheme.has_inertia:
+        raise InputError(
+            f"{label}: {contact.first.label} touches itself by multipliers in statics alone; take "
+            "enforcement='penalty' for steps of dynamics"
         )
 
 

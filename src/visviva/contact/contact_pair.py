@@ -12,6 +12,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.component.point import Attachable
+from visviva.contact.along import everywhere, order
 from visviva.contact.bars import Frames, bar_gaps, bars_of, is_bar, turning_of
 from visviva.contact.contact_surface import (
     Surface,
@@ -83,7 +84,8 @@ class Pair:
     reach : float or None
         As the user gave it.
     fine : bool
-        Whether round bars have points between their nodes: multipliers at more points than nodes would be redundant.
+        Whether round bars have points between their nodes, and what touches itself does so from both sides:
+        multipliers at more points than nodes would be redundant.
     """
 
     label: str
@@ -153,10 +155,16 @@ class Pair:
             if is_bar(bar):
                 return self._to_bar(bar, surface, radius, length)
         if self.second is None:
-            reach, whole = self.reach or surface.size, skin(surface, None)
-            gaps = _core.self_contact(whole, surface.areas, surface.behind, reach, self.rubs, surface.places)
-            return GapFunctions(gaps, surface.size, reach, None, NOTHING_TURNS)
+            return self._to_itself(surface)
         return self._to_facets(surface, radius, length)
+
+    def _to_itself(self, surface: Surface) -> GapFunctions:
+        reach, whole = self.reach or surface.size, skin(surface, None)
+        starts, ends = everywhere(surface) if self.fine else order(surface)
+        gaps = _core.self_contact(
+            whole, surface.areas, surface.behind, reach, self.rubs, surface.places, starts, ends
+        )
+        return GapFunctions(gaps, surface.size, reach, None, NOTHING_TURNS)
 
     def _to_shape(self, outline: Outline, surface: Surface, radius: float, length: float) -> GapFunctions:
         core, frame = outline
