@@ -46,6 +46,13 @@ Impact ContactTerm::impact(int A, const Eigen::VectorXd& f) const {
     return hit;
 }
 
+// It is no work of a force: a step that is gone backwards brings back what it took, half of which is taken
+// off.
+double ContactTerm::let_go(const Context& c) const {
+    if (c.backwards) return -let_go_;
+    return c.step.has_length() ? let_go_ : 0;
+}
+
 void ContactTerm::add_to_ledger(const Context& c, LedgerSums& sums) {
     const Stopwatch watch(costs_.forces);
     evaluate(c, false);
@@ -53,7 +60,7 @@ void ContactTerm::add_to_ledger(const Context& c, LedgerSums& sums) {
     forces_.assign(X1_.size(), 0.0), friction_forces_.assign(X1_.size(), 0.0);
     const bool bends = c.step.motion[2][1] != -1;  // velocities in a step otherwise than by their mean
     if (rebounds() && bends) find_mean_increments(c);
-    if (c.step.has_length() && !c.step.is_static()) sums.work[work_account] -= let_go_;
+    if (!c.step.is_static()) sums.work[work_account] -= let_go(c);
     Eigen::VectorXd f;
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!has_multipliers()) sums.energy[energy_account] += potential(A, gap1_[A]);

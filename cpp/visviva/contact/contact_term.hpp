@@ -171,6 +171,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void find_rubbed(const Context&);
     void find_traction(int A, const Context&);
     void add_to_ledger(const Context&, LedgerSums&);
+    double let_go(const Context&) const;
     bool collides(int A, const Context&) const;
     bool closes(int A, const Context&) const;
     bool rubs_in_impact(const Context&) const;
