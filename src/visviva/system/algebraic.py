@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.world import announce
 from visviva.model.field import Role
 from visviva.system.instant import instant
 
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROUNDING = 1e-13
-"""Relative change that is none."""
+ROUNDING, ROUGH = 1e-13, 1e-9
+"""Relative change that is none, and one that is none where it does not get smaller: stiff volumes round more."""
 MOST = 25
 """Iterations after which positions without mass stay as they are given."""
 
@@ -38,8 +39,7 @@ def settle(system: System) -> None:
     grown = [growing.field for growing in system.model.growing]
     fields = [f for f in system.model.fields if f not in grown]
     of = {role: [f for f in fields if f.role is role] for role in Role}
-    if of[Role.STATE]:
-        _solve(system, _unknowns(of[Role.STATE]))
+    _bring_into_balance(system, [f for f in fields if _balances(f)])
     for role in (Role.SOLID_PRESSURE, Role.TEMPERATURE):
         if of[role]:
             find_linear(system, _unknowns(of[role]))
@@ -49,6 +49,25 @@ def settle(system: System) -> None:
             balance(system, _unknowns(of_motion))
         find_linear(system, _unknowns(of[Role.POTENTIAL]))
     system.invalidate()
+
+
+def _balances(f: Field) -> bool:
+    """Whether forces balance in it at every moment, so at the start, too: it has no inertia, and no neighbours."""
+    return f.role is Role.STATE or (f.role is Role.MOTION and f.stage > 0 and f.is_local)
+
+
+def _bring_into_balance(system: System, fields: list[Field]) -> None:
+    """Balance what each component has of these by itself: where one is not found, that of others is."""
+    of: dict[str, list[Field]] = {}
+    for f in fields:
+        of.setdefault(f.component.label, []).append(f)
+    lost = _solve(system, [_unknowns(own) for own in of.values()])
+    for name, own in (list(of.items())[k] for k in lost):
+        told = f"no balance is found of {' and '.join(f.name for f in own)} of {name}, which start as given"
+        if system.report is None or told not in system.report.moves:
+            announce(f"initial state: {told}")
+        if system.report is not None:
+            system.report.moves.append(told)
 
 
 def _unknowns(fields: list[Field]) -> Ints:
@@ -86,28 +105,51 @@ def balance(system: System, unknowns: Ints) -> None:
     if not own.any():
         return
     held = system.is_lasting_constraint[free] & (abs(A) @ own.astype(float) > 0)
-    _solve(system, free[own | held])
+    _solve(system, [free[own | held]])
 
 
-def _solve(system: System, unknowns: Ints) -> None:
-    """Solve the equations of these unknowns for them by Newton's method; what is not found stays as it is."""
+def _solve(system: System, groups: list[Ints]) -> list[int]:
+    """Solve the equations of groups of unknowns, which do not see each other, for them by Newton's method.
+
+    What is not found stays as it is: the numbers of those groups.
+    """
+    start, left, last = system.x.copy(), list(range(len(groups))), [np.inf] * len(groups)
+    lost: list[int] = []
+    for _ in range(MOST):
+        if not left:
+            break
+        r, K, at = equations(system, np.concatenate([groups[k] for k in left]))
+        for k in list(left):
+            own = np.flatnonzero(np.isin(at, groups[k]))
+            size = _improve(system, K[own][:, own], r[own], at[own])
+            if not np.isfinite(size):
+                lost.append(k)
+            if not np.isfinite(size) or size <= ROUNDING or 0.5 * last[k] <= size <= ROUGH:
+                left.remove(k)
+            last[k] = size
+    lost += left
+    for k in lost:
+        system.x[groups[k]] = start[groups[k]]
+    return lost
+
+
+def _improve(system: System, K: sp.csr_array, r: Array, at: Ints) -> float:
+    """Take an iteration of Newton's method; its largest relative change of what has a scale, or of all if none has."""
     from scipy.sparse.linalg import splu
 
-    start = system.x.copy()
-    for _ in range(MOST):
-        r, K, at = equations(system, unknowns)
-        if not len(at):  # all are given, as free strains are
-            return
-        try:
-            change = splu(K.tocsc()).solve(r)
-        except RuntimeError:  # singular
-            break
-        if not np.isfinite(change).all():
-            break
-        system.x[at] -= change
-        if np.all(np.abs(change) <= ROUNDING * np.maximum(system.scale[at], np.abs(system.x[at]).max())):
-            return
-    system.x[:] = start
+    if not len(at):  # all are given, as free strains are
+        return 0.0
+    try:
+        change = splu(K.tocsc()).solve(r)
+    except RuntimeError:  # singular
+        return np.inf
+    if not np.isfinite(change).all():
+        return np.inf
+    system.x[at] -= change
+    scale = system.scale[at]
+    seen = scale > 0 if scale.any() else np.ones(len(at), dtype=bool)
+    size = np.maximum(np.where(seen & (scale > 0), scale, 1.0), np.abs(system.x[at][seen]).max())
+    return float((np.abs(change) / size)[seen].max())
 
 
 def equations(system: System, unknowns: Ints, time: float | None = None) -> tuple[Array, sp.csr_array, Ints]:
