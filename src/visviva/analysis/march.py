@@ -26,6 +26,7 @@ from visviva.system.mean_rates import moved_by_means
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
 from visviva.system.system import System, refuse_no_system
+from visviva.system.tied_heat import begin_with_mean_rates, even_out
 from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
@@ -91,6 +92,7 @@ def march(
         from visviva.system.consistency import initial_acceleration
 
         initial_acceleration(system, scheme, step)
+        begin_with_mean_rates(system, step)
     if own is not None:
         yield from own
     elif adaptive is not None:
@@ -171,6 +173,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         system.report = fit(system, project=project, moving=scheme.has_inertia)
     if system.is_given and scheme.has_inertia:
         settle(system)
+        _even_out(system, scheme)
         bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
@@ -180,7 +183,14 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         component.start(system, scheme)
     if system.is_given and not scheme.has_inertia:  # begins elsewhere where components say so
         settle(system)
+        _even_out(system, scheme)
     system.stepper.is_edited = False
+
+
+def _even_out(system: System, scheme: Scheme) -> None:
+    """Where heat flows in time, begin without jumps of temperatures that are tied."""
+    if any(np.any(row) for row in scheme.transport(1.0)) and even_out(system):
+        settle(system)
 
 
 def still_fits(system: System) -> bool:

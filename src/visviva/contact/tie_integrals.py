@@ -170,6 +170,14 @@ class MortarSurfaces:
             return Integrals(np.zeros((0, 2), int), np.zeros((0, 9, 9)), np.zeros((0, 9, 9)), covered)
         return Integrals(np.concatenate(faces), np.concatenate(own), np.concatenate(other), covered)
 
+    @property
+    def share(self) -> Array:
+        """Part (n_vertices,) of the area of each vertex of the first surface that faces the second; of edges of shells,
+        which have no area, 1 or 0.
+        """
+        found, areas = self.integrals.covered, np.asarray(self.first.areas)
+        return np.asarray(np.divide(found, areas, out=np.asarray(found > 0, dtype=float), where=areas > 0))
+
     def shared_points(self) -> Iterator[tuple[tuple[Ints, Ints], tuple[Array, Array], Array]]:
         """Points that both surfaces share, by pairs of faces of each pair of types.
 

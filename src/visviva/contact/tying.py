@@ -123,7 +123,7 @@ class Tie(Component):
 
     def _weigh(self, pair: MortarSurfaces) -> None:
         """Rows of constraints for the vertices that face the other surface."""
-        share = pair.integrals.covered / pair.first.areas
+        share = pair.share
         self._tied = share > THIN
         if not self._tied.any():
             raise InputError(

@@ -102,7 +102,8 @@ class CheckReport:
     positions, velocities : Correction
         How the initial state was made consistent.
     moves : list of str
-        What did not fit before the first step and was moved, in words; flows apart. Damage that grew into balance too.
+        What did not fit before the first step and was moved, in words; flows apart. Damage that grew into balance too,
+        and temperatures that were evened out across ties.
     tangent : TangentError or None
         Worst entry of the tangent; None if it was not compared.
     remarks : list of str

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -70,6 +74,19 @@ class Side:
         """At which heat passes (m, k), and their derivative by the end of the step."""
         x, rise = (s.x1, 1.0) if self.is_entropy or at_end else (s.x, s.step.theta)
         return np.einsum("i,mik->mk", self.modes, x[:, self.warmth]), rise
+
+    def values(self, there: NDArray[np.bool_], n: int) -> tuple[sp.csr_array, sp.csr_array]:
+        """Of balances and of temperatures among `n` unknowns, what they are at nodes that are `there` (m, k)."""
+        import scipy.sparse as sp
+
+        each = np.repeat(np.arange(np.count_nonzero(there)), len(self.modes))
+        shape, share = (len(each) // len(self.modes), n), np.tile(self.modes, len(each) // len(self.modes))
+        own = [
+            self.unknowns[:, of - self.columns[0]].transpose(0, 2, 1)[there].ravel()
+            for of in (self.balances, self.warmth)
+        ]
+        balances, warmth = (sp.csr_array((share, (each, of)), shape=shape) for of in own)
+        return balances, warmth
 
     def give(self, found: Array, amount: Array) -> None:
         """Add an amount (m, k) at the nodes to the residual of their balances."""
@@ -195,6 +212,19 @@ class HeatBond(Term):
             side.is_entropy and not (first.is_entropy and second.is_entropy) for side in self.sides
         ]
         self.at_end = not (first.is_entropy or second.is_entropy)
+
+    def places(self, n: int) -> list[tuple[sp.csr_array, sp.csr_array, sp.csr_array, bool]]:
+        """Of both sides, node by node of all rows (k,): the weights (m, k); what balances and temperatures among `n`
+        unknowns are there (k, n); and whether entropy is balanced.
+        """
+        import scipy.sparse as sp
+
+        found = []
+        for side, w, there in zip(self.sides, self.weights, self.there, strict=True):
+            row = np.nonzero(there)[0]
+            weights = sp.csr_array((w[there], (row, np.arange(len(row)))), shape=(len(w), len(row)))
+            found.append((weights, *side.values(there, n), side.is_entropy))
+        return found
 
     def _temperatures(self, s: Stencils) -> list[tuple[Array, float]]:
         return [side.temperatures(s, self.at_end) for side in self.sides]

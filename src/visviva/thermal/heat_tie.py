@@ -55,7 +55,8 @@ class HeatTie(Component):
     What leaves the one enters the other, exactly. Between solids that deform a multiplier is a flow of entropy at
     the one temperature of both: neither energy nor entropy arises, however the tie moves. A conductance produces the
     entropy ``q (1 / T2 - 1 / T1)``, never a negative one. Bodies are held together by `Tie`. Nodes of the first
-    surface whose temperature is prescribed have no multiplier. See :doc:`/theory/heat`.
+    surface whose temperature is prescribed have no multiplier. Without a conductance temperatures that jump across it
+    at the start are evened out before the first step, by heat. See :doc:`/theory/heat`.
 
     Examples
     --------
@@ -110,7 +111,7 @@ class HeatTie(Component):
             )
         self._nodes = skins[0].used, skins[1].used
         self._pair = MortarSurfaces((self.first, skins[0]), (self.second, skins[1]), self.reach)
-        share = self._pair.integrals.covered / self._pair.first.areas
+        share = self._pair.share
         self._tied = share > THIN
         if not self._tied.any():
             raise InputError(

@@ -1,0 +1,223 @@
+"""Starts in which temperatures that are tied jump: heat passes across the tie before the first step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import visviva as vv
+from visviva.analysis.march import know, prepare
+from visviva.system.algebraic import settle
+from visviva.system.memory import undisturbed
+
+Array = NDArray[np.float64]
+SCHEMES = [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha()]
+COLD, HOT = 300.0, 350.0
+
+
+def bar(kind: str, second: bool, n: int = 4, length: float = 1.0, **more: Any) -> Any:
+    """Insulated, from 0 to its length at 300 K, or from there on at 350 K; what deforms is held."""
+    given = {"conductivity": 1.0, "capacity": 1.0, "reference": COLD, **more}
+    across = given.pop("across", 1)
+    cell = given.pop("cell", "hex8")
+    origin = (length if second else 0.0, 0.0, 0.0)
+    mesh = vv.BoxMesh(size=(length, 0.1, 0.1), counts=(n, across, across), origin=origin, cell=cell)
+    temperature = given.pop("temperature", HOT if second else COLD)
+    if kind == "body":
+        return vv.ThermalBody(mesh=mesh, temperature=temperature, **given)
+    formulation = given.pop("formulation", "displacement")
+    return vv.ThermoelasticSolid(
+        mesh=mesh,
+        material=vv.NeoHooke(young=1e3, poisson=0.3),
+        heat=vv.Heat(**given),
+        temperature=temperature,
+        formulation=formulation,
+    )
+
+
+def joined(first: Any, second: Any, *more: Any) -> vv.System:
+    tie = vv.HeatTie(first=first, first_faces="x1", second=second, second_faces="x0")
+    held = [vv.Fixed(solid=b, nodes="all") for b in (first, second) if b.balances_entropy]
+    return vv.System([first, second, tie, *held, *more])
+
+
+def faces(system: vv.System, first: Any, second: Any) -> tuple[Array, Array]:
+    return first.temperatures(system.x)[first.nodes("x1")], second.temperatures(system.x)[second.nodes("x0")]
+
+
+def energy(system: vv.System) -> float:
+    with undisturbed(system):
+        system.evaluate_ledger()
+        return float(system.core.energy.sum())
+
+
+def begun(system: vv.System, scheme: vv.Scheme | None = None) -> float:
+    """The energy that the start has made."""
+    settle(system)
+    before = energy(system)
+    know(system, 0.1)
+    prepare(system, scheme or vv.EnergyMomentum())
+    return energy(system) - before
+
+
+def entropy(system: vv.System, *bodies: Any) -> float:
+    return sum(body.total_entropy(system.x) for body in bodies)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=repr)
+@pytest.mark.parametrize("capacity", [1.0, 3.0])
+def test_bodies_that_touch_end_at_the_mean_by_their_capacities(capacity: float, scheme: vv.Scheme) -> None:
+    first, second = bar("body", False), bar("body", True, capacity=capacity)
+    system = joined(first, second)
+    vv.simulate(system, until=40.0, step=0.1, scheme=scheme)
+    mean = (COLD + capacity * HOT) / (1 + capacity)
+    for body in (first, second):
+        assert body.temperatures(system.x) == pytest.approx(mean, rel=1e-6 / mean)
+
+
+@pytest.mark.parametrize("capacity", [1.0, 3.0])
+def test_solids_keep_their_energy_and_do_not_alternate(capacity: float) -> None:
+    """They ended at 350.4 and 300.4 in turn."""
+    first, second = bar("solid", False), bar("solid", True, capacity=capacity)
+    system, made = joined(first, second), []
+    seen: list[float] = []
+
+    def look(s: vv.System) -> None:
+        left, right = faces(s, first, second)
+        seen.append(float(np.abs(left - right).max()))
+        made.append(entropy(s, first, second))
+
+    result = vv.simulate(system, until=20.0, step=0.02, observe=look)
+    mean, most = (COLD + capacity * HOT) / (1 + capacity), {1.0: 2e-3, 3.0: 0.06}[capacity]
+    for body in (first, second):
+        assert body.temperatures(system.x) == pytest.approx(mean, abs=most)
+    assert max(seen) < most
+    assert np.min(np.diff(made)) > -1e-12
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12
+
+
+@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha()], ids=repr)
+def test_schemes_that_balance_entropy_come_to_the_mean_with_their_steps(scheme: vv.Scheme) -> None:
+    """They came to 324.93, short of it by what an engine gains, however short the steps."""
+    off = []
+    for step in (0.02, 0.01, 0.005):
+        first, second = bar("solid", False), bar("solid", True)
+        system = joined(first, second)
+        vv.simulate(system, until=1.0, step=step, scheme=scheme)
+        both = np.concatenate(
+            [b.temperatures(system.x)[b.grid.cells["hex8"]].mean(axis=1) for b in (first, second)]
+        )
+        off.append(325.0 - both.mean())
+    assert abs(off[2]) < 0.02
+    assert off[1] / off[0] < 0.6
+    assert off[2] / off[1] < 0.6
+
+
+@pytest.mark.parametrize("formulation", ["displacement", "F-bar", "mixed"])
+def test_the_start_keeps_energy_and_makes_entropy(formulation: str) -> None:
+    """Nodes that do not match, unlike capacities, coupled with strains."""
+    common: Any = {"formulation": formulation, "expansion": 1e-3}
+    first = bar("solid", False, across=3, **common)
+    second = bar("solid", True, across=2, capacity=3.0, **common)
+    system = joined(first, second)
+    before = entropy(system, first, second)
+    assert abs(begun(system)) < 1e-14
+    left, right = faces(system, first, second)
+    assert left == pytest.approx(left[0], abs=1e-9)
+    assert right == pytest.approx(left[0], abs=1e-9)
+    assert COLD + 25 < left[0] < HOT
+    assert entropy(system, first, second) > before
+
+
+@pytest.mark.parametrize("kinds", [("body", "solid"), ("solid", "body"), ("body", "body")])
+def test_heat_and_entropy_meet(kinds: tuple[str, str]) -> None:
+    first, second = (bar(kind, k == 1) for k, kind in enumerate(kinds))
+    system = joined(first, second)
+    assert abs(begun(system)) < 1e-14
+    left, right = faces(system, first, second)
+    assert left == pytest.approx(right, abs=1e-9)
+    assert left == pytest.approx(325.0, abs=0.2)
+
+
+@pytest.mark.parametrize("kind", ["body", "solid"])
+def test_latent_heat_is_passed_as_well(kind: str) -> None:
+    """Tables of capacity with a hump between both temperatures."""
+    table = [(300.0, 1.0), (310.0, 1.0), (312.0, 30.0), (314.0, 1.0), (400.0, 1.0)]
+    first, second = (bar(kind, k, capacity=table) for k in (False, True))
+    system = joined(first, second)
+    assert abs(begun(system)) < 1e-13
+    left, right = faces(system, first, second)
+    assert left == pytest.approx(right, abs=1e-9)
+
+
+def test_temperatures_that_are_held_take_the_other_side_along() -> None:
+    first, second = bar("solid", False), bar("solid", True)
+    system = joined(first, second, vv.PrescribedTemperature(body=second, nodes="x0", value=HOT))
+    begun(system)
+    for side in faces(system, first, second):
+        assert side == pytest.approx(HOT, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["body", "solid"])
+def test_half_spaces_meet_at_the_temperature_of_their_effusivities(kind: str) -> None:
+    """``(b1 T1 + b2 T2) / (b1 + b2)`` with b = sqrt(k c), as long as nothing has come to the far ends."""
+    first = bar(kind, False, n=60, conductivity=1.0, capacity=1.0)
+    second = bar(kind, True, n=60, conductivity=4.0, capacity=9.0)
+    system = joined(first, second)
+    vv.simulate(system, until=0.02, step=0.0005)
+    expected = (1 * COLD + 6 * HOT) / 7
+    for side in faces(system, first, second):
+        assert side == pytest.approx(expected, abs=0.02 * (HOT - COLD))
+
+
+def test_shells_that_are_tied_at_edges() -> None:
+    """Both ends at the mean, energy as it was."""
+    shells = []
+    for k in range(2):
+        grid = vv.RectangleMesh(size=(1, 0.5), counts=(3, 2), origin=(k, 0)).build()
+        X = np.column_stack([grid.points[:, :2], np.zeros(len(grid.points))])
+        shells.append(
+            vv.ThermalShell(
+                mesh=vv.Mesh(X, grid.cells, face_sets=grid.face_sets),
+                section=vv.SolidSection(
+                    material=vv.NeoHooke(young=1e4, poisson=0.0), thickness=0.1, density=1.0
+                ),
+                heat=vv.Heat(conductivity=1.0, capacity=1.0, reference=COLD),
+                temperature=HOT if k else COLD,
+            )
+        )
+    system = joined(*shells)
+    result = vv.simulate(system, until=20.0, step=0.05)
+    for shell in shells:
+        assert shell.temperatures(system.x) == pytest.approx(325.0, abs=5e-3)
+    assert np.abs(result.ledger["imbalance"]).max() < 1e-12
+
+
+def test_it_is_told_and_done_once(capsys: pytest.CaptureFixture[str]) -> None:
+    """In the report, the ledger and by word; a run that goes on is the same to the bit as one without a pause."""
+    ends = []
+    for times in ((0.2,), (0.1, 0.2)):
+        first, second = bar("solid", False), bar("solid", True)
+        system = joined(first, second)
+        results = [vv.simulate(system, until=until, step=0.02) for until in times]
+        assert system.report is not None
+        assert len(system.report.moves) == 2
+        assert system.report.moves[0].startswith(f"temperature of {first.label} by 24.")
+        assert "made consistent" in str(results[0].audit())
+        ends.append(system.x.copy())
+    assert np.array_equal(*ends)
+    assert capsys.readouterr().err.count("evened out across ties") == 2
+
+
+def test_what_fits_is_left_as_it_is() -> None:
+    first, second = (bar("solid", k, temperature=lambda X: 300 + 10 * X[:, 0]) for k in (False, True))
+    system = joined(first, second)
+    before = system.x.copy()
+    begun(system)
+    moved = np.abs(system.x - before)[second.entropy.unknowns].max()
+    assert moved < 1e-7
+    assert system.report is not None
+    assert not system.report.moves
