@@ -26,12 +26,27 @@ def warm(**more: Any) -> Any:
     return vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), conductivity=1.0, **more)
 
 
+def ring(**more: Any) -> Any:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1), origin=(1, 0))
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0, **more)
+
+
+def disc(**more: Any) -> Any:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(1, 1))
+    return vv.ThermalBody(mesh=mesh, conductivity=1.0, axisymmetric=True, **more)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: beam().frame("x"), "arc length = 'x' is not a number"),
         (lambda: beam().frame(True), "arc length = True is not a number"),
         (lambda: warm(thickness=3.0), "thickness is for plane meshes"),
+        (
+            lambda: ring(plane="axisymmetric", thickness=3.0),
+            "thickness is for plane strain and stress; leave it out",
+        ),
+        (lambda: disc(thickness=3.0), "thickness is for what is not axisymmetric; leave it out"),
         (lambda: vv.HeatFlux(body=warm(), faces="x0", flux=True), "flux: true is no number"),
     ],
 )

@@ -95,21 +95,27 @@ def test_body_force_of_the_weight_is_gravity() -> None:
     assert np.abs(moved[0] - system.model.initial[0]).max() > 1e-2
 
 
+PLANES: dict[str, Any] = {
+    "strain": {"plane": "strain", "thickness": 0.3},
+    "axisymmetric": {"plane": "axisymmetric"},
+}
+
+
 @pytest.mark.parametrize("plane", ["strain", "axisymmetric"])
 def test_loads_on_plane_solids(plane: Any) -> None:
     """Forces of the thickness, or of the whole revolution."""
     mesh = vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 2), cell="quad8").build().moved((0.5, 0.0))
-    plate = vv.Solid(mesh=mesh, material=SOFT, plane=plane, thickness=0.3)
+    plate = vv.Solid(mesh=mesh, material=SOFT, **PLANES[plane])
     area = 0.3 * 1.0 if plane == "strain" else np.pi * (1.5**2 - 0.5**2)
     volume = 0.8 * area
     up = (0.0, 2.0, 0.0)
     assert forces(plate, vv.Traction(solid=plate, faces="y1", traction=up))[:, 1].sum() == pytest.approx(
         2 * area
     )
-    plate = vv.Solid(mesh=mesh, material=SOFT, plane=plane, thickness=0.3)
+    plate = vv.Solid(mesh=mesh, material=SOFT, **PLANES[plane])
     assert forces(plate, vv.BodyForce(solid=plate, force=up))[:, 1].sum() == pytest.approx(2 * volume)
     for follower in (True, False):
-        plate = vv.Solid(mesh=mesh, material=SOFT, plane=plane, thickness=0.3)
+        plate = vv.Solid(mesh=mesh, material=SOFT, **PLANES[plane])
         push = vv.Pressure(solid=plate, faces="y1", pressure=2.0, follower=follower)
         assert forces(plate, push)[:, 1].sum() == pytest.approx(-2 * area)
 
@@ -163,7 +169,7 @@ def volume_work(plane: Any, scheme: vv.Scheme, step: float) -> tuple[float, floa
         block = brick("hex8", (1, 2, 1), angular_velocity=(1.0, -0.5, 0.8))
     else:
         mesh = vv.RectangleMesh(size=(1.0, 0.8), counts=(2, 1), cell="quad4").build().moved((0.5, 0.0))
-        block = vv.Solid(mesh=mesh, material=SOFT, density=1.3, plane=plane, thickness=0.3)
+        block = vv.Solid(mesh=mesh, material=SOFT, density=1.3, **PLANES[plane])
     system = vv.System([block, vv.Pressure(solid=block, faces="all", pressure=9.0)])
 
     def volume() -> float:

@@ -58,6 +58,50 @@ def test_two_bars_have_a_jump(law: Any, enforcement: Any) -> None:
         assert found == pytest.approx(expected, abs=10 * near)
 
 
+@pytest.mark.parametrize("law", LAWS, ids=["constant", "table", "function"])
+def test_plane_bars_conduct_by_their_thickness(law: Any) -> None:
+    """As bars in space of that depth do; contact, whose areas of plane bodies are lengths, has forces by length."""
+    bars = [
+        vv.ThermoelasticSolid(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(n, 1), origin=(0, y)),
+            material=STIFF,
+            heat=vv.Heat(conductivity=2.0, capacity=1.0, reference=300.0, in_space=False),
+            temperature=300.0,
+            thickness=0.25,
+        )
+        for n, y in ((3, 0.0), (2, 1.0))
+    ]
+    contact = vv.Contact(first=bars[0], first_faces="y1", second=bars[1], second_faces="y0")
+    heat = vv.HeatContact(contact=contact, conductance=law)
+    held = [
+        vv.Fixed(solid=bars[0], nodes="y0"),
+        vv.Prescribed(solid=bars[1], nodes="y1", motion=(0, "-0.1*t", None)),
+        vv.PrescribedTemperature(body=bars[0], nodes="y0", value="300 + t"),
+        vv.PrescribedTemperature(body=bars[1], nodes="y1", value=300.0),
+    ]
+    vv.quasi_static(vv.System([*bars, contact, heat, *held]), until=1.0, step=0.25)
+    p = float(contact.pressures[0]) / 0.25
+    assert p > 4
+    h = np.interp(p, *np.transpose(law)) if isinstance(law, list) else law(p) if callable(law) else law
+    assert heat.heat.sum() == pytest.approx(-0.25 / (0.5 + 1 / h + 0.5), rel=2e-5)
+
+
+def test_plane_bodies_in_contact_are_equally_thick() -> None:
+    bars = [
+        vv.ThermoelasticSolid(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1), origin=(0, y)),
+            material=STIFF,
+            heat=vv.Heat(conductivity=2.0, capacity=1.0),
+            temperature=300.0,
+            thickness=t,
+        )
+        for y, t in ((0.0, 1.0), (1.0, 0.5))
+    ]
+    contact = vv.Contact(first=bars[0], first_faces="y1", second=bars[1], second_faces="y0")
+    with pytest.raises(vv.InputError, match=r"HeatContact: .* differ in thickness"):
+        vv.HeatContact(contact=contact, conductance=1.0)
+
+
 def slide(**options: Any) -> list[Any]:
     """A block that is thrown along another one, pressed on by its weight: both, contact, gravity, support."""
     table = vv.BoxMesh(size=(3, 1, 0.5), counts=(6, 2, 1))

@@ -141,7 +141,7 @@ def test_without_coupling_they_are_the_solids_of_that_formulation(
             "material": STIFF,
             "formulation": formulation,
             "plane": plane,
-            "thickness": 0.3,
+            "thickness": 0.3 if plane == "strain" else 1.0,
         }
         body = vv.Solid(**common) if heat is None else vv.ThermoelasticSolid(**common, heat=heat)
         held = vv.Fixed(solid=body, nodes="x0")

@@ -60,7 +60,7 @@ class Solid(MeshBody):
         quad9, hex20, hex27, continuous for tri6, tet10 and, stabilised, tri3, tet4, wedge6, for incompressible
         materials too; constant in each quad4, hex8 (the mean dilatation), for nearly incompressible ones.
     thickness : float
-        Of a plane solid.
+        Of a plane solid; what is axisymmetric has none.
     velocity : (3,), or a function of reference positions (n, 3) with values (n, 3)
     angular_velocity : (3,)
         Initial rotation about the centre of mass.
@@ -113,8 +113,9 @@ class Solid(MeshBody):
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
             )
-        if self.grid.dimension == 3 and self.thickness != 1.0:
-            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
+        if (self.grid.dimension == 3 or self.plane == "axisymmetric") and self.thickness != 1.0:
+            whose = "plane meshes" if self.grid.dimension == 3 else "plane strain and stress"
+            raise InputError(f"{self.label}: thickness is for {whose}; leave it out")
         if self.tangent == "start" and self.body_material.energy is not None:
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"

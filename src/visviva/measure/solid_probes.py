@@ -414,7 +414,7 @@ def width_of(body: Meshed, field: str) -> int:
     widths, (whole, part) = body.widths(), within(field)
     if whole not in widths:
         close = nearest(field, widths)
-        every = f" It has {', '.join(sorted(widths))}." if close.endswith("?") else ""
+        every = f" It has {', '.join(sorted(widths))}." if close.endswith("?") else "."
         raise InputError(
             f"{body.label}: there is no field {field!r}{close}{every} Components are fields, too, such as cauchy_xx"
         )

@@ -109,6 +109,9 @@ class HeatContact(Component):
                 f"{self.label}: {self.contact.label} by vertices conducts where it rubs alone; give it "
                 "formulation='mortar', or friction"
             )
+        if len(thick := {body.thickness for body in (first, second) if isinstance(body, HeatCarrier)}) > 1:
+            raise InputError(f"{self.label}: {labels} differ in thickness")
+        self._thickness = float(*thick)
         least = np.min(self._values(np.linspace(0.0, 1.0, 5)))
         if isinstance(self.conductance, np.ndarray):
             least = self.conductance[:, 1].min()
@@ -134,8 +137,9 @@ class HeatContact(Component):
         return np.broadcast_to(found, pressure.shape)
 
     def _conduct(self, pressure: Array, values: Array, slopes: Array) -> None:
-        """Write conductances and their slopes for the core."""
-        values[:] = self._values(pressure)
+        """Write conductances and their slopes for the core, whose areas of plane bodies are lengths."""
+        pressure = pressure / self._thickness
+        values[:] = self._thickness * self._values(pressure)
         d = SLOPE_STEP * np.max(pressure, initial=0.0)
         if d > 0 and not isinstance(self.conductance, float):
             above, below = pressure + d, np.maximum(pressure - d, 0.0)

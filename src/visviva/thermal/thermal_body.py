@@ -58,7 +58,7 @@ class ThermalBody(Meshed, HeatCarrier):
     conductivity_slope, capacity_slope : float
         Their change per temperature, as a share of what they are at the reference: ``k (1 + slope (T - reference))``.
     thickness : float
-        Of a plane body.
+        Of a plane body; what is axisymmetric has none.
     axisymmetric : bool
         A plane mesh stands for a revolution; its coordinates are (radius, axis).
 
@@ -106,8 +106,9 @@ class ThermalBody(Meshed, HeatCarrier):
                 f"{self.label}: its mesh has cells {', '.join(self.grid.cells)}; it needs cells of volume, or plane "
                 "cells with points (n, 2)"
             )
-        if self.grid.dimension == 3 and self.thickness != 1.0:
-            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
+        if (self.grid.dimension == 3 or self.axisymmetric) and self.thickness != 1.0:
+            whose = "plane meshes" if self.grid.dimension == 3 else "what is not axisymmetric"
+            raise InputError(f"{self.label}: thickness is for {whose}; leave it out")
         if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
             raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
         self._tensor = positive_tensor(self.label, "the conductivity", self.conductivity)

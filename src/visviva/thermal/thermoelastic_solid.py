@@ -185,7 +185,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             f"{self.label}: heat and strains couple by T beta^2 / (M c) = {number:.2g} (beta = 3 K expansion)"
         )
         linear = any(CELLS[kind].n_nodes == CELLS[kind].n_corners for kind in self.grid.cells)
-        if number >= LOCKING and linear and self.formulation == "displacement":
+        thins = self.plane == "stress"  # so that its volume changes freely
+        if number >= LOCKING and linear and self.formulation == "displacement" and not thins:
             found.append(
                 f"{said}, so that it hardly changes its volume without heat, and linear cells lock: take "
                 f"formulation='enhanced', 'F-bar' or 'mixed' with {self._brick}, or cells of second order"
