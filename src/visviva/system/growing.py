@@ -37,6 +37,11 @@ ROUNDING, ROUGH = 1e-13, 1e-4
 """Accuracy of balances that are taken, and of those that are looked at."""
 MOVED = 1e-9
 """Part of its size from which on a move is told."""
+LITTLE = 1e-12
+"""Part of the largest forces that presses nothing: signs of rounding would let it move and rest by turns."""
+NEAR, LEAST, HALVES = 1e-6, 1e-4, 40
+"""What is so near to its limit, and pressed to it, goes there; energy falls by this part at least of what its slope
+says, or steps are halved, so often."""
 MOST, WAITS = 1000, 4
 """Choices of what rests; so many spread by a layer of nodes each, then by twice as many layers each time."""
 
@@ -48,10 +53,11 @@ def bring_into_balance(system: System) -> None:
         return
     start = system.x.copy()
     r, K, at = equations(system, np.concatenate([f.unknowns for f in fields]))
-    change = change_to_balance(K, r, np.zeros(len(at)), ROUNDING)
-    if change is None:
-        raise RunError(f"{_lost(fields)}; give a start nearer to it by damage=, or larger cells")
-    system.x[at] += change
+    try:
+        system.x[at] += change_to_balance(K, r, np.zeros(len(at)), ROUNDING)
+    except Lost as reason:
+        refused = f"{_named(fields)}: {reason}; give a start nearer to it by damage=, or larger cells"
+        raise RunError(refused) from None
     system.invalidate()
     change = np.abs(system.x - start) * system.inverse_scale
     told = [
@@ -82,10 +88,11 @@ def refuse_imbalance(system: System, step: Any) -> None:
             return
         system.core.dx[:] = dx
         r, K, at = equations(system, unknowns, step.t1)
-    found = change_to_balance(K, r, dx[at], ROUGH)
-    if found is None:
-        _fail(system, step, f"{_lost(fields)} at the end of the step", int(at[np.argmin(r)]))
-    change = found * system.inverse_scale[at]
+    try:
+        change = change_to_balance(K, r, dx[at], ROUGH) * system.inverse_scale[at]
+    except Lost as reason:
+        told = f"{_named(fields)}: {reason} at the end of the step"
+        _fail(system, step, told, int(at[np.argmin(r)]))
     beyond, short = int(np.argmin(change)), int(np.argmax(change))
     if -change[beyond] > BEYOND:
         _refuse(system, step, int(at[beyond]), dx, f"{-change[beyond]:.3g} beyond")
@@ -128,16 +135,24 @@ def _held(system: System) -> list[Field]:
     return [growing.field for growing in system.model.growing if growing.held]
 
 
-def _lost(fields: list[Field]) -> str:
-    named = " and ".join(f"{f.name} of {f.component.label}" for f in fields)
-    return f"{named}: no balance is found in {MOST} choices of what rests"
+def _named(fields: list[Field]) -> str:
+    return " and ".join(f"{f.name} of {f.component.label}" for f in fields)
 
 
-def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -> Array | None:
+class Lost(Exception):
+    """Why a balance is not found."""
+
+
+def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -> Array:
     """The change z >= -room where ``z . r + z . K z / 2`` is least, by active sets (Hintermueller, Ito & Kunisch 2003).
 
     `K` (n, n) is symmetric and positive definite for what does not rest; `room` (n,) is by how much each may shrink.
-    None if it is not found.
+    Choices of what rests that come back, as they may where terms like masses are large, are left for `_descend`.
+
+    Raises
+    ------
+    Lost
+        If it is not found.
 
     Examples
     --------
@@ -146,33 +161,60 @@ def change_to_balance(K: sp.csr_array, r: Array, room: Array, accuracy: float) -
     >>> change_to_balance(K, np.array([-1.0, 3.0]), np.full(2, 0.25), 1e-13).tolist()
     [0.375, -0.25]
     """
-    rests = (room <= 0) & (r >= 0)
-    z, advances = np.zeros(len(r)), 0
+    rests, little = (room <= 0) & (r >= 0), LITTLE * np.abs(r).max(initial=0.0)
+    z, advances, seen = np.zeros(len(r)), 0, set[bytes]()
     for _ in range(MOST):
+        if rests.tobytes() in seen:
+            return _descend(K, r, room, z)
+        seen.add(rests.tobytes())
         z = np.where(rests, -room, z)
-        if not _move(K, r, z, ~rests, accuracy):
-            return None
-        held = np.where(rests, r + K @ z >= 0, z < -room)
+        _move(K, r, z, ~rests, accuracy)
+        held = np.where(rests, r + K @ z >= -little, z < -room)
         if np.array_equal(held, rests):
             return np.maximum(z, -room)
         advances = 0 if (held & ~rests).any() else advances + 1
         rests = _spread(K, held, rests & ~held, advances)
-    return None
+    raise Lost(f"no balance is found in {MOST} choices of what rests")
 
 
-def _move(K: sp.csr_array, r: Array, z: Array, moves: NDArray[np.bool_], accuracy: float) -> bool:
-    """Bring those that move into balance beside all others, in place; whether that was possible."""
+def _descend(K: sp.csr_array, r: Array, room: Array, z: Array) -> Array:
+    """The same by projected Newton steps that each lower the energy (Bertsekas 1982), so that none comes back."""
+    z, diagonal = np.maximum(z, -room), K.diagonal()
+    for _ in range(MOST):
+        pressed = r + K @ z
+        off = np.abs(np.maximum(z - pressed / diagonal, -room) - z)
+        size = np.abs(r) + abs(K) @ np.abs(z)
+        if (diagonal * off <= LITTLE * size.max(initial=0.0)).all():
+            return z
+        rests = (z <= -room + min(NEAR, off.max())) & (pressed > 0)
+        target = z.copy()
+        _move(K, r, target, ~rests, ROUNDING)
+        way = np.where(rests, -pressed / diagonal, target - z)
+        for part in 0.5 ** np.arange(HALVES):
+            change = np.maximum(z + part * way, -room) - z
+            if change @ pressed + 0.5 * change @ (K @ change) < LEAST * (change @ pressed):
+                break
+        else:
+            break
+        z = z + change
+    raise Lost(f"no balance is found in {MOST} choices of what rests")
+
+
+def _move(K: sp.csr_array, r: Array, z: Array, moves: NDArray[np.bool_], accuracy: float) -> None:
+    """Bring those that move into balance beside all others, in place."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import cg
 
     own = np.flatnonzero(moves)
     if not len(own):
-        return True
+        return
     A = K[own][:, own]
     inverse = diags_array(1 / A.diagonal())
     right = -(r + K @ np.where(moves, 0.0, z))[own]
-    z[own], failed = cg(A, right, x0=z[own], M=inverse, rtol=accuracy, maxiter=max(1000, 10 * len(own)))
-    return bool(failed == 0)
+    most = max(1000, 10 * len(own))
+    z[own], failed = cg(A, right, x0=z[own], M=inverse, rtol=accuracy, maxiter=most)
+    if failed:
+        raise Lost(f"its {len(own)} equations are not solved by conjugate gradients in {most} iterations")
 
 
 def _spread(
