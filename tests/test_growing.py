@@ -273,13 +273,13 @@ def test_balance_with_room(seed: int) -> None:
 
 
 def test_choices_that_come_back_end_in_balance() -> None:
-    """A smooth load on 13 nodes of a line whose masses couple neighbours by the wrong sign: active sets cycle."""
+    """A smooth load on 13 graded nodes of a line whose masses couple neighbours by the wrong sign: choices cycle."""
     n, length = 12, 0.72
-    line = lambda ends, inner, beside: sp.diags_array(  # noqa: E731
-        [np.full(n, beside), np.r_[ends, np.full(n - 1, inner), ends], np.full(n, beside)], offsets=[-1, 0, 1]
-    )
-    mass, stiffness = line(2.0, 4.0, 1.0) / (6 * n), line(1.0, 2.0, -1.0) * n
-    K = sp.csr_array(mass / length + length * stiffness)
+    full = np.zeros((n + 1, n + 1))
+    for e, h in enumerate(np.diff(np.linspace(0, 1, n + 1) ** 2)):
+        full[e : e + 2, e : e + 2] += h / 6 / length * (np.ones((2, 2)) + np.eye(2))
+        full[e : e + 2, e : e + 2] += length / h * (2 * np.eye(2) - 1)
+    K = sp.csr_array(full)
     weight, x = np.asarray(K.sum(axis=1)).ravel(), np.arange(n + 1) / (n + 1)
     for r in (
         weight * (0.3 - 2 * np.exp(-(((x - 0.3) / 0.02) ** 2))),
