@@ -202,7 +202,7 @@ bool NodeToSegment::are_same(const double* X, int side, int other) const {
 int NodeToSegment::entrance(const double* from, const double* to, int A) const {
     const Vector3 start = nudged(from, A), end = nudged(to, A);
     Vector3 own;
-    if (!normals_.normal(to, A, own.data())) own.setZero();
+    if (deforms(A) || !normals_.normal(to, A, own.data())) own.setZero();
     double latest = -1;
     int side = Sides::nearest;
     Vector3 normal = Vector3::Zero();
@@ -224,7 +224,7 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
             if (meets && t > latest) latest = t, side = c.facet, normal = n;
         }
     }
-    if (side < 0 || !keeps_ || looks(to, A, normal)) return side;
+    if (side < 0 || !keeps_ || deforms(A) || looks(to, A, normal)) return side;
     const int other = touched(to, A, Sides::nearest);
     return other < 0 ? side : other;
 }

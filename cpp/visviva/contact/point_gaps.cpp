@@ -15,21 +15,17 @@ using At = Eigen::Map<const Vector3>;
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size());
     stencils_.resize(n_), sides_.resize(n_), let_go_.resize(n_);
-    if (options_.facets.empty()) return;
     Skin whole = skin_;
-    whole.facets = options_.facets;
-    around_.build(whole);
+    if (!options_.facets.empty()) whole.facets = options_.facets;
+    if (!options_.facets.empty() || (skin_.n_first > 0 && deforms(0))) around_.build(whole);
 }
 
 // --- the way in --------------------------------------------------------------------------------------------
-// Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is not
-// judged.
 Vector3 PointGaps::nudged(const double* X, int A) const {
-    constexpr double rounding = 1e-9, deformation = 1e-3;
-    const bool deforms = skin_.mesh_node[skin_.first[A]];
+    constexpr double rounding = 1e-9;
     const auto known = std::find_if(middles_.begin(), middles_.end(), [&](auto& m) { return m.X == X; });
     const Vector3 middle = known == middles_.end() ? middle_at(X) : known->place;
-    return At(X + 3 * A) + (deforms ? -deformation : rounding) * (middle - At(X + 3 * A));
+    return At(X + 3 * A) + rounding * (middle - At(X + 3 * A));
 }
 
 // By areas, so that it stays where it is as meshes are refined in parts.
@@ -51,18 +47,35 @@ void PointGaps::find_middles(std::initializer_list<const double*> configurations
 // nothing holds what goes on from there.
 bool PointGaps::looks(const double* X, int A, const Vector3& normal) const {
     if (around_.corners.empty()) return true;
-    return around_.by_angles(X, A % (n_ / options_.copies)).normalized().dot(normal) < facing;
+    const int own = A % (n_ / options_.copies);
+    Vector3 out = around_.by_angles(X, own).normalized();
+    if (deforms(own) && !around_.normal(X, own, out.data())) return true;
+    return out.dot(normal) < facing;
 }
 
 // A potential is one of the sides that a corner may have touched: by others it goes in and out freely.
 int PointGaps::side(const double* X, int A) const {
-    if (sides_.start().empty() || deforms(A)) return Sides::nearest;
+    if (sides_.start().empty()) return Sides::nearest;
+    if (deforms(A)) return side_of_node(X, A);
     const int kept = sides_.of(A).face;
     if (kept >= 0 && keeps_) return kept;
     const double* start = sides_.start().data();
     if (is_inside(X, A)) return side_inside(X, A, kept);
     const int out = kept < 0 ? Sides::nearest : entrance(X, start, A);
     return out < 0 || touches(start, A, out) ? Sides::nearest : kept;
+}
+
+// What sags over an edge goes in and out below that by sides that it does not face, freely: gaps would jump
+// from the distance to these to the depth below the others. Multipliers have no energy to be let go.
+int PointGaps::side_of_node(const double* X, int A) const {
+    if (static_ || around_.corners.empty()) return Sides::nearest;
+    const int kept = sides_.of(A).face;
+    const double* start = sides_.start().data();
+    const bool inside = is_inside(X, A);
+    if (inside == (kept >= 0) || (!inside && keeps_)) return Sides::nearest;
+    const int passed = inside ? entrance(start, X, A) : entrance(X, start, A);
+    if (passed < 0 || touches(inside ? X : start, A, passed)) return Sides::nearest;
+    return inside ? Sides::none : kept;
 }
 
 int PointGaps::side_inside(const double* X, int A, int kept) const {
@@ -92,7 +105,7 @@ Entered PointGaps::find_side(const double* X, int A) const {
     const int came = side(X, A);
     if (came == Sides::none) {
         const int face = touched(X, A, Sides::nearest);
-        return {face, face < 0 ? 0.0 : std::max(depth(X, A, face), 0.0)};
+        return {face, face < 0 || keeps_ ? 0.0 : std::max(depth(X, A, face), 0.0)};
     }
     const int near = nearest_side(X, A);
     const bool follows = near >= 0 && came >= 0 && are_same(X, came, near);
@@ -106,7 +119,7 @@ bool PointGaps::settle(const double* X) {
     const std::vector<Entered> before = sides_.all();
     const bool changed = sides_.settle({X, X + skin_.constant.size()}, [&](std::vector<Entered>& sides) {
         for (int A = 0; A < n_; ++A)
-            if (!deforms(A) && is_inside(X, A)) sides[A] = find_side(X, A);
+            if (is_inside(X, A)) sides[A] = find_side(X, A);
     });
     for (int A = 0; A < n_; ++A) let_go_[A] = before[A].face >= 0 && sides_.of(A).face < 0;
     return changed;
@@ -200,12 +213,18 @@ int PointGaps::strays(const double* from, const double* to, const double* before
     std::vector<char> stray(n_, 0);
     std::vector<int> own(n_ / options_.copies);
     std::iota(own.begin(), own.end(), 0);
+    // Nodes of a solid that touch an edge move across it by what the solid deforms: what is so near to it is
+    // not judged.
+    constexpr double deformation = 1e-3;
+    const Vector3 middle = middles_[1].place;
     const Matrix3 turn = RigidMotion(from, to, own, options_.areas).turn;
     parallel_for(n_, [&](int A) {
         if (stencils_[A].empty() || before[A] <= 0 || sides_.of(A).offset > 0) return;
         if (before[A] + after[A] >= options_.areas[A] * way(from, to, A)) return;
         const Path path(*this, from, to, turn, A);
-        const double area = options_.areas[A], near = (nudged(to, A) - At(to + 3 * A)).norm();
+        const double area = options_.areas[A];
+        const double near = deforms(A) ? deformation * (middle - At(to + 3 * A)).norm()
+                                       : (nudged(to, A) - At(to + 3 * A)).norm();
         if (after[A] > 0)
             stray[A] = cuts_through(path, before[A] / area, after[A] / area, near);
         else if (after[A] < -near * area)

@@ -61,7 +61,7 @@ class PointGaps : public Gaps {
     /// The side that a vertex belongs to, if it is not the nearest: that by which it came in.
     int side(const double* X, int vertex) const;
     /// Whether it is a node of a mesh: what it goes in by an edge its body makes up for by deforming, and the
-    /// nearest side counts, by which its energy is continuous.
+    /// nearest side that it faces counts, by which its energy is continuous.
     bool deforms(int vertex) const { return skin_.mesh_node[skin_.first[vertex]]; }
     /// A vertex of a rigid body by so little nearer to the middle of its surface that what touches an edge
     /// from above comes in by its upper side, and what slides along the edge does not come in.
@@ -83,6 +83,7 @@ class PointGaps : public Gaps {
     bool cuts_through(const Path&, double before, double after, double near) const;
     bool turns_about(const Path&, const double* from, int vertex) const;
     bool slides_out(const double* X, int vertex, int in, int out) const;
+    int side_of_node(const double* X, int vertex) const;
     int side_inside(const double* X, int vertex, int kept) const;
     Entered find_side(const double* X, int vertex) const;
 
