@@ -190,3 +190,41 @@ def test_a_folded_strip_of_bricks(friction: float) -> None:
     )
     assert (tractions[:, [0, 2]] * np.where(upper, -1, 1)[:, None] > 0).all()
     assert np.abs(contact.forces.sum(axis=0)).max() < 1e-12
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+@pytest.mark.parametrize("fine_first", [False, True])
+def test_the_finer_of_two_parts_holds_the_other(fine_first: bool, upside_down: bool) -> None:
+    """A clasp with a bump, narrower than the facets of the leg opposite, does not pass between their vertices."""
+    coarse, fine, bend = np.linspace(0.4, 0.0, 2), np.linspace(0.0, 0.4, 21), np.linspace(0, np.pi, 9)
+    middle = [(x, -1.0, 0.0) for x in coarse] + [(x, 1.0, np.exp(-(((x - 0.2) / 0.05) ** 2))) for x in fine]
+    arc = [(-0.2 * np.sin(a), -np.cos(a)) for a in bend[1:-1]]
+    rows = []
+    for depth in (0.1, 0.0):  # outside and inside
+        r = 0.1 + depth
+        legs = [(x, side * (r - (0.06 * bump if depth == 0 else 0.0))) for x, side, bump in middle]
+        turn = [(x * r / 0.2, y * r) for x, y in arc]
+        rows.append([*legs[:2], *turn, *legs[2:]])
+    outer, inner = np.array(rows)[:, :: -1 if fine_first else 1]
+    n = len(outer)
+    i = np.arange(n - 1)
+    points = np.vstack([outer, inner]) * ((1, -1) if upside_down else (1, 1))
+    cells = np.column_stack([i, i + 1, n + i + 1, n + i])
+    clasp = vv.Solid(
+        mesh=vv.Mesh(points, {"quad4": cells if upside_down != fine_first else cells[:, ::-1]}),
+        material=RUBBER,
+    )
+    sign = -1 if upside_down else 1
+    tip = np.flatnonzero((np.abs(points[:, 1] - sign * 0.2) < 1e-9) & (points[:, 0] >= 0))
+    foot = np.flatnonzero((np.abs(points[:, 1] + sign * 0.2) < 1e-9) & (points[:, 0] >= 0))
+    push = vv.Prescribed(solid=clasp, nodes=tip, motion=(0, f"{-sign * 0.18} * t", None))
+    contact = vv.Contact(first=clasp, friction=0.3)
+    system = vv.System([clasp, push, vv.Fixed(solid=clasp, nodes=foot), contact])
+    x = vv.quasi_static(system, until=1.0, step=0.1).states[-1]
+    unknowns = clasp.node_unknowns(np.arange(2 * n))
+    found = np.column_stack([x[unknowns], x[unknowns + 1]])[n:] * (1, sign)
+    found = found[:: -1 if fine_first else 1]
+    leg = found[:2][np.argsort(found[:2, 0])]
+    above = found[-21:, 1] - np.interp(found[-21:, 0], *leg.T)
+    assert (contact.pressures > 0).sum() >= 2
+    assert above.min() > -1e-9

@@ -24,10 +24,12 @@ def order(surface: Surface) -> tuple[Array, Array]:
     """Of each vertex (n,) from where on, and of each facet (m,) up to where, what lies there may touch the other.
 
     Held from both sides, what meets would be held twice: as often as there are nodes on both, though surfaces that lie
-    on each other move as one.
+    on each other move as one. The finer of two parts touches the other, whose facets would pass between its vertices.
     """
     places = _distances(surface)
-    places += TURNED * np.ptp(places) * (_normals(surface) @ WAY)
+    length = np.ptp(places)
+    places += TURNED * length * (_normals(surface) @ WAY)
+    places -= (1 + 2 * TURNED) * length * _halvings(surface)
     there = surface.facets >= 0
     ends = np.where(there, places[surface.facets], -np.inf).max(axis=1)
     return places, ends
@@ -47,6 +49,16 @@ def _sides(surface: Surface) -> Ints:
     return np.concatenate(
         [np.column_stack([facets[rows, i], facets[rows, (i + 1) % n]])[n > i] for i in range(facets.shape[1])]
     )
+
+
+def _halvings(surface: Surface) -> Array:
+    """How often (n,) the longest sides of facets are to be halved to be as those at each vertex; whole numbers."""
+    a, b = _sides(surface).T
+    length = np.linalg.norm(surface.places[a] - surface.places[b], axis=1)
+    n = len(surface.places)
+    at = np.concatenate([a, b])
+    sizes = np.bincount(at, np.tile(length, 2), minlength=n) / np.bincount(at, minlength=n)
+    return np.asarray(np.round(np.log2(sizes.max() / sizes)))
 
 
 def _distances(surface: Surface) -> Array:
