@@ -148,6 +148,22 @@ def test_boxes_slide_from_one_to_another_beside_it(
     keeps_its_motion(kind, [-0.3, 0.3], above, loaded, 0.3, 0.01, size=(0.6, 1, 0.1))
 
 
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize(
+    ("y", "angle", "width"),
+    [(0, 0, 0.5), (0.05, 0, 0.5), (0.06, 0, 0.5), (0.2, 0, 0.5), (0, 0, 0.3), (0.1, 0.4, 0.5)],
+)
+def test_boxes_slide_over_seams_beside_which_they_stick_out(
+    kind: str, loaded: bool, exchanged: bool, y: float, angle: float, width: float
+) -> None:
+    """Corners of the next one lay on the edge of the wall in front, and stopped it."""
+    above = thrown(kind, (-0.3, y, 0.1), angle, (0.7, 0))
+    options = {"size": (0.6, width, 0.1), "exchanged": exchanged}
+    keeps_its_motion(kind, [-0.3, 0.3], above, loaded, 0.5, 0.5 / 60, **options)
+
+
 @pytest.mark.parametrize("kind", SHAPES)
 @pytest.mark.parametrize("angle", [0, 0.3, np.pi / 4])
 @pytest.mark.parametrize("low", [1e-6, 1e-3, 0.02, 0.1])

@@ -12,6 +12,7 @@ using At = Eigen::Map<const Vector3>;
 
 constexpr double parallel = 1e-2;   // sine of an angle below which edges do not cross
 constexpr double at_border = 1e-6;  // part of its size by which corners may be beside a face: flush bodies
+constexpr double out = 0.1;         // sine of an angle by which corners there lead out: more than bodies tilt
 constexpr double shallow = 0.04;  // part of the depth that is seen by which corners at a border may be in it
 
 }  // namespace
@@ -108,6 +109,15 @@ struct SharpPairs::Ridge {
     bool holds(const Vector3& x) const { return (x - a).dot(left) < 0 && (x - a).dot(right) < 0; }
 };
 
+// A place in the body of a corner, this far from it between its edges.
+Vector3 SharpPairs::nudged(const double* X, long corner, double way) const {
+    const Vector3 a = At(X + 3 * parts_.corners[corner]);
+    Vector3 inwards = Vector3::Zero();
+    for (int k = parts_.next_start[corner]; k < parts_.next_start[corner + 1]; ++k)
+        inwards += (At(X + 3 * parts_.next[k]) - a).normalized();
+    return a + way * inwards.normalized();
+}
+
 // Whether all edges of a corner lead away from a plane with this unit normal.
 bool SharpPairs::corner_looks(const double* X, long corner, const Vector3& n, double sine) const {
     const Vector3 a = At(X + 3 * parts_.corners[corner]);
@@ -128,6 +138,14 @@ double SharpPairs::inside(const double* X, long face, const Vector3& x, const Ve
         around += std::atan2(n.dot(a.cross(b)), a.dot(b));
     }
     return around > M_PI ? least : -least;
+}
+
+// Whether the body of a corner at the border of a face leads out over that: its corner goes by, as that of a
+// floor, which lies flush beside another one, passes the wall of what slides onto it.
+bool SharpPairs::passes_by(const double* X, const Pair& pair, const Meeting& m, double in, double way) const {
+    const Vector3 inner = nudged(X, corner(pair.number), way), a = At(X + 3 * stencil(pair.number)[0]);
+    const Vector3 foot = inner - (inner - a).dot(m.normal) * m.normal;
+    return inside(X, face(pair.number), foot, -m.normal) - in < -out * way;
 }
 
 bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond, double sine,
@@ -159,7 +177,9 @@ bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double 
     const double in = inside(X, face(pair.number), foot, -m.normal);
     double size = 0;
     for (int k : {0, 1, 2}) size = std::max(size, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
-    if (in < -std::max(beyond, at_border) * size) return false;
+    const double border = at_border * size;
+    if (in < -std::max(beyond * size, border)) return false;
+    if (beyond <= 0 && std::abs(in) < border && passes_by(X, pair, m, in, border)) return false;
     if (beyond <= 0 && !stays && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
     return corner_looks(X, corner(pair.number), m.normal, sine);
 }

@@ -56,6 +56,8 @@ class SharpPairs {
     struct Ridge;
     bool corner_looks(const double* X, long corner, const Eigen::Vector3d& n, double sine) const;
     double inside(const double* X, long face, const Eigen::Vector3d& x, const Eigen::Vector3d& n) const;
+    Eigen::Vector3d nudged(const double* X, long corner, double way) const;
+    bool passes_by(const double* X, const Pair&, const Meeting&, double in, double way) const;
     bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine,
                     bool stays) const;
 
