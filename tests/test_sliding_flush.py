@@ -94,6 +94,16 @@ def test_every_scheme_books_what_slides_off(scheme: vv.Scheme) -> None:
     assert abs(np.diff(imbalance)[leaves]) < 0.1 * energy  # what the scheme dissipates in this step
 
 
+def test_runs_go_on_with_the_energy_that_they_stopped_with() -> None:
+    """Corners that have come back over an edge, so deep that they store nothing there, when the first run stops."""
+    system, _, _ = sliding_off(stiffness=1e6)
+    first = vv.simulate(system, until=0.13, step=1e-3)
+    second = vv.simulate(system, until=0.16, step=1e-3)
+    assert second.ledger["potential_contact"][0] == first.ledger["potential_contact"][-1]
+    assert second.ledger["total"][0] == pytest.approx(first.ledger["total"][-1], rel=1e-14)
+    second.assert_conserved("energy", tolerance=1e-10)
+
+
 def sliding_solids(seed: tuple[int, int], enforcement: str, young: float) -> tuple[vv.System, vv.Solid, Any]:
     """A block of bricks thrown along another one, which is held below. Nodes of it hang over and come back, and those
     above the lower block stay around its middle."""

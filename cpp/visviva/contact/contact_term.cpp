@@ -67,7 +67,7 @@ void ContactTerm::narrow() {
 
 void ContactTerm::write_memory(std::vector<double>& m) const {
     active_.write(m);
-    m.push_back(pushed_out_ ? 1 : 0);
+    m.push_back((pushed_out_ ? 1 : 0) + (is_balance_ ? 2 : 0));
     search_.write(m);
     gaps_->write_memory(m);
     if (rebounds()) landings_.write(m);
@@ -79,9 +79,10 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
 
 bool ContactTerm::read_memory(const double*& m) {
     active_.read(m);
-    pushed_out_ = *m++ != 0;
+    const int before = static_cast<int>(*m++);
+    pushed_out_ = before % 2 == 1, is_balance_ = before >= 2;
     forget_gradients(), known_.clear();
-    gaps_->set_static(false);  // the balance before a run that is resumed is over
+    gaps_->set_static(is_balance_);
     const bool changed = search_.read(m, *gaps_);
     gaps_->read_memory(m);
     if (rebounds()) landings_.read(m);
@@ -145,7 +146,9 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
         stays = std::abs(X1_[i] - narrowed_[i]) < moved * search_.reach();
     if (!stays) narrow();
     const bool exact = !has_multipliers() && is_discrete(c.step) && !c.step.is_static();
-    const bool starts = gaps_->set_static(c.step.is_static());
+    // looks see gaps as the step before them did
+    if (std::abs(c.step.h) > Step::no_length) is_balance_ = c.step.is_static();
+    const bool starts = gaps_->set_static(is_balance_);
     if (gaps_->set_exact(exact) || starts) {
         known_.clear(), forget_gradients();
         // a balance holds nothing in valleys

@@ -239,6 +239,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     std::vector<char> slips_, slips_at_tangent_;
     std::vector<char> covered_;  // whether so much of a vertex' area is, in this step, that it may carry
     bool pushed_out_ = false, is_rigid_pair_ = false;
+    bool is_balance_ = false;  // whether the last step was a load step
     // Of rigid bodies, by area: the gap at which a vertex first carried since it was open, else `in_flight`.
     GapMemory landings_;
     static constexpr double in_flight = -HUGE_VAL;
