@@ -14,6 +14,7 @@ from test_language import MORE, NEEDS_CODE
 
 import visviva as vv
 from visviva.analysis.adaptive import Adaptive
+from visviva.component.component import Component
 from visviva.scene import language, read_scene
 from visviva.study.run import run
 
@@ -377,6 +378,23 @@ def numbers(thing: Any) -> Iterator[tuple[str, Any]]:
 
 FOUND = composed()
 CASES = [(name, key) for name in sorted(FOUND) if hasattr(vv, name) for key, _ in numbers(FOUND[name])]
+
+
+MADE = [
+    (name, f.name)
+    for name, thing in sorted(FOUND.items())
+    for f in dataclasses.fields(thing)
+    if hasattr(vv, name) and f.init and isinstance(getattr(thing, f.name), Component | vv.Material | vv.Mesh)
+]
+
+
+@pytest.mark.parametrize(("name", "key"), MADE, ids=lambda text: text)
+def test_no_component_material_or_mesh_is_made_of_a_mapping(name: str, key: str) -> None:
+    """Of ``{}`` bases were made, past their constructors: a Contact of such, or NotImplementedError."""
+    thing = FOUND[name]
+    given = {f.name: getattr(thing, f.name) for f in dataclasses.fields(thing) if f.init}
+    with pytest.raises(vv.InputError, match=rf"{name}.*: {key}: .*not \{{\}}"):
+        type(thing)(**{**given, key: {}})
 
 
 @pytest.mark.parametrize(("name", "key"), CASES, ids=lambda text: text)

@@ -64,6 +64,10 @@ class Validated(ABCMeta):
             complaint = mistaken(plain_types(cls).get(name, frozenset()), value)
             if name in references(cls) and not is_reference(value):
                 complaint = f"expected a component, a point or frame of it, or a measure, not {value!r}"
+            if name in objects(cls) and (mapping := mapping_in(value)) is not None:
+                complaint = (
+                    f"input should be an instance of {objects(cls)[name]}, not {shortened(repr(mapping))}"
+                )
             if complaint:
                 raise ArgumentError(called(cls, kwargs.get("name")), (name,), complaint)
         if is_dataclass(cls) and not hasattr(cls, "__pydantic_validator__"):
@@ -309,6 +313,31 @@ def is_reference(value: Any) -> bool:
     if isinstance(value, list | tuple):
         return all(map(is_reference, value))
     return value is None or ((is_dataclass(value) or callable(value)) and not isinstance(value, type))
+
+
+@cache
+def objects(cls: type) -> dict[str, str]:
+    """The arguments of a class that take objects of others and no mappings, with what to call these.
+
+    Pydantic would make them of mappings, past their constructors: bases of components and materials out of ``{}``.
+    """
+    try:
+        hints = get_type_hints(cls)
+    except NameError:  # names that only a type checker imports
+        return {}
+    found = {}
+    for name, hint in hints.items():
+        kinds = list(leaves(hint))
+        made = dict.fromkeys(k.__name__ for k in kinds if isinstance(k, type) and is_dataclass(k))
+        if made and not any(get_origin(kind) or kind in (Any, dict) for kind in kinds):
+            found[name] = " or ".join(made)
+    return found
+
+
+def mapping_in(value: Any) -> Any:
+    """The mapping that a value is, or that stands in its list; None where there is none."""
+    values = value if isinstance(value, list | tuple) else [value]
+    return next((item for item in values if isinstance(item, Mapping)), None)
 
 
 def mistaken(types: frozenset[type], value: Any) -> str:
