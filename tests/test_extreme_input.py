@@ -53,3 +53,60 @@ def disc(**more: Any) -> Any:
 def test_arguments_of_another_kind(make: Callable[[], Any], message: str) -> None:
     with pytest.raises(vv.InputError, match=message):
         make()
+
+
+def stream(**more: Any) -> list[Any]:
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="tri6")
+    fluid = vv.Fluid(mesh=mesh, density=1.0, viscosity=0.1, name="water", **more)
+    return [fluid, vv.NoSlip(fluid=fluid, faces="all")]
+
+
+def twisted(moment: Any) -> list[Any]:
+    one, two = (vv.RigidBody(shape=vv.Box(size=(1, 1, 1)), density=1.0, name=name) for name in "ab")
+    return [one, two, vv.TorquePair(a=one, b=two, torque=(0, 0, 30), times=moment)]
+
+
+def started(parts: list[Any]) -> None:
+    for _ in vv.march(vv.System(parts), until=0.1, step=0.1):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: twisted(10**400), "TorquePair: times: a function of time is a number.*, not 1000"),
+        (
+            lambda: started(twisted(1e308)),
+            "RigidBody 'a': masses, forces or scales .* not finite at the start",
+        ),
+        (lambda: started(stream(speed=5e-324)), "Fluid 'water': .* scales of its velocity.* not finite"),
+    ],
+)
+def test_numbers_out_of_all_proportion(make: Callable[[], Any], message: str) -> None:
+    """The first was an OverflowError of Python, and of the others scipy said that a factor is singular."""
+    with pytest.raises(vv.InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("values", [1.0, "a", [[1], [2, 3]], None])
+def test_functions_of_places_give_arrays(values: Any) -> None:
+    """Where they give anything else, the component and its argument are named, not numpy's index."""
+    section = vv.HomogeneousSection(thickness=0.1, young=1.0, poisson=0.3, density=1.0)
+    mesh, sheet = (vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), vv.RectangleMesh(size=(1, 1), counts=(1, 1)))
+    rubber = vv.NeoHooke(young=1.0, poisson=0.3)
+    line = vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=2)
+    rod = vv.TubeSection(radius=0.01, young=1e9, poisson=0.3, density=1.0)
+    for make, what in (
+        (lambda f: vv.Beam(mesh=line, section=rod, first=f), "Beam.*: the function first"),
+        (lambda f: vv.Shell(mesh=sheet, section=section, first=f), "Shell.*: the function first"),
+        (
+            lambda f: vv.Solid(mesh=mesh, material=rubber, density=1.0, velocity=f),
+            "Solid.*: the function of velocities",
+        ),
+        (
+            lambda f: vv.Solid(mesh=mesh, material=rubber, thermal_strain=f),
+            "Solid.*: the function thermal_strain",
+        ),
+    ):
+        with pytest.raises(vv.InputError, match=f"{what} gave shape"):
+            vv.System([make(lambda X: values)])

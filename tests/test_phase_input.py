@@ -54,6 +54,7 @@ def test_nodes_are_as_far_apart_as_a_grid_has_them(mesh: Any, spacing: float) ->
             lambda: body(gradient_energy=[1.0, 1.0, -2.0]),
             "gradient_energy = [1.0, 1.0, -2.0] is not positive",
         ),
+        (lambda: body(gradient_energy=5e-324), "a gradient_energy of 0.125 at least"),
         (lambda: body(gradient_energy=0.01), "an interface is 0.283 wide, the distance of its nodes 0.5"),
         (lambda: body(concentration=lambda X: X), "its concentration has shape (81, 3)"),
         (

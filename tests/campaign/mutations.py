@@ -49,7 +49,7 @@ class Case:
 
 def case(random: Random, seed: int, folder: Path) -> Case:
     """The case of a number: kinds take turns."""
-    return (scene, text, argument, mesh, mesh_file, option)[seed % 6](random, folder)
+    return (scene, text, argument, mesh, mesh_file, option, system)[seed % 7](random, folder)
 
 
 # --- scenes: values and keys --------------------------------------------------------------------------------
@@ -186,6 +186,12 @@ ODD = [None, "", "text", "\0", [], {}, (), (1, 2), [[1], [2, 3]], math.nan, math
        np.zeros((2, 2)), np.array(["a"]), np.float32(1.0), np.int64(1), 1e308, -1e308, 5e-324, "1e3", [None] * 3,
        lambda *a: 1, Path("x"), vv.Ground(name="other")]  # fmt: skip
 
+LIKELY = ["all", "x0", "x1", "multipliers", "penalty", "mixed", "F-bar", "enhanced", "stress", "axisymmetric", "mortar",
+          0.5, 1.0, 2.0, 1e6, 1e-6, (("x0", "x1"),), [["y0", "y1"]], "x", "t", (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), False,
+          vv.Heat(conductivity=1.0, capacity=1.0), vv.NeoHooke(young=1.0, poisson=0.5),
+          vv.BoxMesh(size=(1, 1, 1), counts=(2, 1, 1)), vv.RectangleMesh(size=(1, 1), counts=(2, 1))]  # fmt: skip
+"""What means something to many an argument, but seldom beside the others."""
+
 
 @cache
 def objects() -> dict[str, Any]:
@@ -209,6 +215,68 @@ def argument(random: Random, folder: Path) -> Case:
     what = f"{name}({key}={value!r:.60})"
     kind = type(found[name])
     return Case(what, is_bad or key not in known, call=lambda: kind(**{**given, key: value}))
+
+
+# --- systems ----------------------------------------------------------------------------------------------------
+@cache
+def entries() -> list[Any]:
+    """What the catalogue and the test of scenes compose, and what neither has: smooth cells, and slots that close."""
+    from catalogue import CATALOGUE
+    from catalogue.entry import NOTHING, Entry
+    from test_language import MORE
+
+    return [*CATALOGUE, *MORE, Entry("smooth cell", smooth_cell, NOTHING), Entry("slot", slot, NOTHING)]
+
+
+def smooth_cell() -> list[Component]:
+    pairs = (("x0", "x1"), ("y0", "y1"))
+    mesh = vv.SplineBox(size=(1, 1), counts=(3, 3))
+    body = vv.SplineSolid(
+        mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0, periodic=pairs
+    )
+    joint = vv.Spherical(a=(ground := vv.Ground()), b=body, at=(0, 0, 0))
+    return [body, ground, joint, vv.PeriodicFaces(solid=body, pairs=pairs, strain=0.1 * np.eye(3), times="t")]
+
+
+def slot() -> list[Component]:
+    from verification.test_self_contact_statics import RUBBER, slotted
+
+    body = vv.Solid(mesh=slotted(), material=RUBBER, density=1.0)
+    top, base = (np.flatnonzero(body.grid.points[:, 1] == y) for y in (1.0, 0.0))
+    motion = ("0.1*t", "-t", None)
+    return [
+        body,
+        vv.Prescribed(solid=body, nodes=top, motion=motion),
+        vv.Fixed(solid=body, nodes=base),
+        vv.Contact(first=body, first_faces="slot", friction=0.3, enforcement="multipliers"),
+    ]
+
+
+def system(random: Random, folder: Path) -> Case:
+    """A system in which an argument of a component is replaced, composed and taken a step, of statics or dynamics."""
+    entry = random.choice(entries())
+    parts = entry.build()
+    k = random.randrange(len(parts))
+    fields = [f.name for f in dataclasses.fields(parts[k]) if f.init and f.name != "name"]
+    if not fields or not hasattr(vv, type(parts[k]).__name__):
+        return system(random, folder)
+    key = random.choice(fields)
+    now = getattr(parts[k], key)
+    sized = [now * factor for factor in (-1.0, 0.0, 1e-6, 1e6, 1e300)] if isinstance(now, float) else []
+    value, scheme = (
+        random.choice([*random.choice([ODD, LIKELY]), *sized * 20]),
+        vv.Static() if random.random() < 0.3 else None,
+    )
+
+    def step() -> None:
+        given = {name: getattr(parts[k], name) for name in fields} | {key: value}
+        composed = vv.System([*parts[:k], type(parts[k])(**given), *parts[k + 1 :]])
+        for _ in vv.march(composed, until=entry.h, step=entry.h, scheme=scheme, project=True):
+            pass
+        if not np.isfinite(composed.x).all():
+            raise ArithmeticError("unknowns that are no numbers")
+
+    return Case(f"{entry.name}: {type(parts[k]).__name__}({key}={value!r:.60})", False, call=step)
 
 
 SETS = ["node_sets", "face_sets", "cell_sets"]

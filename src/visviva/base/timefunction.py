@@ -17,7 +17,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, PlainSerializer, WithJsonSchema
 
 from visviva.base.differences import central_rate, forward_rate
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, shortened
 
 Evaluator = Callable[[Any], complex]
 Source = float | str | tuple[tuple[float, float], ...] | Callable[[float], float]
@@ -239,9 +239,10 @@ def _plain(source: Any) -> Source:
         return _table(source)
     try:
         number = float(source)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(
-            f"a function of time is a number, an expression in t, a table or a function, not {source!r}"
+            "a function of time is a number, an expression in t, a table or a function, not "
+            + shortened(repr(source))
         ) from None
     if not math.isfinite(number):
         raise InputError(f"a function of time cannot be the constant {number}")

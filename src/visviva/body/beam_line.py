@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
 from visviva.body.beam_shapes import shape_of
 from visviva.body.mesh_points import in_space
@@ -318,8 +319,9 @@ def turned(
     if first is None:
         d1 = carried_along(cells, third, corner)
     else:
-        given = first(points) if callable(first) else np.broadcast_to(first, points.shape)
-        d1 = np.asarray(given, dtype=float)[cells]
+        shape = points.shape
+        given = of_places(label, "first", first, points, shape) if callable(first) else first
+        d1 = np.broadcast_to(given, shape)[cells]
     d1 = d1 - (d1 * third).sum(axis=2, keepdims=True) * third
     size = np.linalg.norm(d1, axis=2, keepdims=True)
     if not np.all(size > 1e-6):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
 from visviva.body.mesh_points import in_space
 from visviva.body.natural_strains import ASSUMED, AssumedStrains
@@ -84,8 +85,13 @@ class ShellSurface:
             wanted = g1
         else:
             X = np.einsum("qk,mkc->mqc", self.N, self.points[self.cells])
-            given = self.first(X.reshape(-1, 3)) if callable(self.first) else self.first
-            wanted = np.broadcast_to(np.reshape(given, X.shape) if callable(self.first) else given, X.shape)
+            places = X.reshape(-1, 3)
+            given = (
+                of_places(self.label, "first", self.first, places, places.shape).reshape(X.shape)
+                if callable(self.first)
+                else self.first
+            )
+            wanted = np.broadcast_to(given, X.shape)
         e1 = wanted - (wanted * normal).sum(axis=-1, keepdims=True) * normal
         size = np.linalg.norm(e1, axis=-1)
         if not np.all(size > 1e-6 * np.linalg.norm(wanted, axis=-1)):

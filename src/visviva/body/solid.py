@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
+from visviva.base.arguments import of_places
 from visviva.base.errors import InputError, nearest
 from visviva.base.world import world
 from visviva.body import formulation as forms
@@ -346,11 +347,10 @@ class Solid(MeshBody):
         if not callable(self.thermal_strain):
             return np.full(places.shape[:2], float(self.thermal_strain))
         X = places.reshape(-1, 3)
-        strain = np.array(self.thermal_strain(X), dtype=float)
-        if strain.shape != (len(X),) or not np.all(strain > -1):
+        strain = of_places(self.label, "thermal_strain", self.thermal_strain, X, (len(X),))
+        if not np.all(strain > -1):
             raise InputError(
-                f"{self.label}: the function thermal_strain gave shape {strain.shape} or values that do not all exceed "
-                f"-1 for positions {X.shape}; give strains, shape ({len(X)},)"
+                f"{self.label}: thermal_strain = {strain.min():g} leaves no volume; it must exceed -1"
             )
         return strain.reshape(places.shape[:2])
 

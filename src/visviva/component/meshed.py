@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
 from visviva.component.component import Component
 from visviva.component.momentum import NOWHERE, Axes
@@ -47,13 +48,7 @@ class Meshed(Component):
         X = self.points
         if not callable(velocity):
             return np.tile(np.asarray(velocity, dtype=float), (len(X), 1))
-        v = np.array(velocity(X), dtype=float)
-        if v.shape != X.shape or not np.isfinite(v).all():
-            raise InputError(
-                f"{self.label}: the function of velocities gave shape {v.shape} or values that are not finite for "
-                f"positions {X.shape}"
-            )
-        return v
+        return of_places(self.label, "of velocities", velocity, X, X.shape)
 
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""

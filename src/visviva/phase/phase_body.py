@@ -135,11 +135,11 @@ class PhaseBody(Meshed):
     def _refuse_thin_interfaces(self) -> None:
         found = self.interface()
         if found is not None and found.width < 2 * self.space.spacing * (1 - 1e-9):
+            wider = 2 * self.space.spacing / found.width
             raise InputError(
                 f"{self.label}: an interface is {found.width:.3g} wide, the distance of its nodes "
                 f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
-                "gradient_energy of "
-                f"{float(np.max(self._tensor)) * (2 * self.space.spacing / found.width) ** 2:.3g} at least"
+                f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
             )
 
     def remarks(self) -> list[str]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.base.differences import central_rate
+from visviva.base.errors import InputError
 from visviva.system.memory import returning
 from visviva.system.scaling import by_weight, equilibration
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 NO_STEP = 1e-3
 """Length of steps assumed before one is known."""
@@ -63,6 +65,16 @@ def instant(time: float, *, theta: float = 0.0, leading: float = 0.0, rates: boo
     return _core.Step(time, _core.Step.NO_LENGTH, time, theta, theta, False, motion, transport)
 
 
+def refuse_infinite(system: System, unknowns: Ints, values: Array) -> None:
+    """Refuse what is not finite beside an unknown at the start, which numbers out of all proportion make."""
+    if not np.isfinite(values).all():
+        label, name = system.describe(int(unknowns[np.argmin(np.isfinite(values))]))
+        raise InputError(
+            f"{label}: masses, forces or scales of its {name} are not finite at the start; some number there, or of "
+            "what acts there, is too large or too small"
+        )
+
+
 class Instant:
     """The linear equations of a system at its present state.
 
@@ -91,6 +103,7 @@ class Instant:
         self._m = np.flatnonzero(is_multiplier[unknown])
         self.coordinates, self.multipliers = unknown[self._q], unknown[self._m]
         A = self._tangent(leading=1.0)
+        refuse_infinite(system, unknown, A @ np.ones(A.shape[1]))
         self.M = A[self._q][:, self._q].tocsr() if len(self._q) < A.shape[0] else A
         self.G = A[self._m][:, self._q].tocsr()
         self.columns = A[self._q][:, self._m].tocsr()
@@ -301,8 +314,10 @@ class Instant:
             self._s = np.zeros(0)
             return
         K = sp.block_array([[self.metric, self.G.T], [self.G, None]], format="csr")
-        unit = by_weight(self.metric.diagonal(), self.scale)
-        self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
+        with np.errstate(all="ignore"):  # what is not finite is refused by name
+            unit = by_weight(self.metric.diagonal(), self.scale)
+            self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
+        refuse_infinite(self.system, np.r_[self.coordinates, self.multipliers], self._s)
         S = sp.diags_array(self._s)
         weightless = abs(self.metric).sum(axis=1) == 0
         little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(m, -compliance)])
