@@ -27,7 +27,7 @@ def test_every_step_ends_where_that_of_one_process_does(n: int, reference: str) 
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["processes"] == n
-    assert len(found["cases"]) == 37
+    assert len(found["cases"]) == 48
     for name, of in found["cases"].items():
         assert of["step"] < 1e-10, name  # of the step's increment
         assert of["run"] < 1e-10, name

@@ -39,6 +39,10 @@ NO_STEP = 1e-3
 """Length of steps assumed before one is known."""
 COMPLIANCE = 1e-12
 """Compliance of the scaled constraints that makes redundant ones solvable."""
+SPURIOUS = 1e-6
+"""The same of what is asked of accelerations alone: modes of pressures of equal order that push nothing stay small."""
+MOST = 30
+"""Refinements, whose corrections shrink by half at least."""
 LIGHT = 1e-6
 """Mass of what has none, beside the scaled others: refinement takes off its effect."""
 FEW = 3000
@@ -320,7 +324,7 @@ class Instant:
         refuse_infinite(self.system, np.r_[self.coordinates, self.multipliers], self._s)
         S = sp.diags_array(self._s)
         weightless = abs(self.metric).sum(axis=1) == 0
-        little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(m, -compliance)])
+        little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), -self._compliances(compliance)])
         K = (S @ K @ S + little).tocsc()
         if self.metric is not self.M and K[:n, :n].nnz == n:  # meshes alone
             with suppress(
@@ -329,6 +333,11 @@ class Instant:
                 self._solve = by_complement(K, n)
                 return
         self._solve = spl.splu(K, options={"Equil": False}).solve
+
+    def _compliances(self, least: float) -> Array:
+        """Of the scaled constraints (m,)."""
+        n, m = len(self.added), len(self.multipliers)
+        return np.repeat([least, max(least, SPURIOUS)], [m - n, n])
 
     def soft(self, f: Array, g: Array) -> Array:
         """Solution (n + m,) of the factored equations."""
@@ -347,7 +356,7 @@ class Instant:
         z = np.zeros(n + len(g))
         if not len(z):
             return f, g
-        for _ in range(8):
+        for _ in range(MOST):
             change = improve(np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]]))
             relative = np.abs(change / self._s)
             sizes = float(relative[:n].max(initial=0.0)), float(relative[n:].max(initial=0.0))
@@ -377,7 +386,7 @@ class Instant:
             S = sp.diags_array(self._s)
             K = S @ sp.block_array([[self.M, self.G.T], [self.G, None]], format="csr") @ S
             weightless = abs(self.M).sum(axis=1) == 0
-            little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), np.full(len(g), -COMPLIANCE)])
+            little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), -self._compliances(COMPLIANCE)])
             try:
                 solve = spl.splu((K + little).tocsc(), options={"Equil": False}).solve
             except RuntimeError:  # exactly singular, as one little may take off the other
