@@ -16,7 +16,7 @@ from visviva.component.component import Component
 from visviva.component.point import Attachable
 from visviva.model.field import Role
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
-from visviva.system.instant import instant
+from visviva.system.instant import instant, refuse_infinite
 
 if TYPE_CHECKING:
     from visviva.model.field import Field
@@ -27,6 +27,8 @@ Ints = NDArray[np.int64]
 
 ROUNDING = 3e-12
 """A motion that meets less than this part of the stiffnesses that cancel in it is free."""
+TINY = np.finfo(float).tiny
+"""Stiffnesses below it are none: nothing can be divided by them."""
 CLEAR = 1e-6
 """Distance from a translation or rotation along an axis up to which a free motion is called so."""
 BALANCED = 1e-9
@@ -132,6 +134,7 @@ def refuse_free(system: System) -> None:
         )
 
 
+@np.errstate(all="ignore")  # what is not finite is refused by name
 def refuse_insulated(system: System) -> None:
     """Refuse bodies whose temperature nothing holds, alone or among themselves, for a steady state.
 
@@ -160,8 +163,10 @@ def refuse_insulated(system: System) -> None:
     taken, sizes = (W @ L for W, L in ((weights, K), (np.abs(weights), abs(K))))
     found = np.hstack([taken @ changes.T + np.diag(own), taken[:, multipliers]])
     scale = np.hstack([sizes @ np.abs(changes).T, sizes[:, multipliers]])
+    of_each = np.array([temperature[0] for *_, temperature in warm])
+    refuse_infinite(system, of_each, scale.sum(axis=1) + own)
     largest = scale.max(axis=1, keepdims=True)
-    loose = null_space((found / np.where(largest > 0, largest, 1.0)).T)
+    loose = null_space((found / np.where(largest > TINY, largest, 1.0)).T)
     names = [
         c.label for (c, *_), share in zip(warm, loose, strict=True) if np.abs(share).max(initial=0.0) > CLEAR
     ]
@@ -346,6 +351,7 @@ def _coordinates(system: System) -> Array:
     return moves
 
 
+@np.errstate(all="ignore")  # what is not finite is refused by name
 def _free_combinations(system: System, motions: Sequence[Motions], moves: Array, step: Any) -> Array:
     """Combinations (k, p) of `moves` (n, k), those of the motions first, that meet nothing.
 
@@ -361,6 +367,7 @@ def _free_combinations(system: System, motions: Sequence[Motions], moves: Array,
     R = moves[unknown]
     forces, met = np.zeros_like(moves), np.zeros_like(moves)
     forces[unknown], met[unknown] = K @ R, abs(K) @ np.abs(R)
+    refuse_infinite(system, np.asarray(unknown), met[unknown].sum(axis=1) + residual[unknown])
     for part in (forces, met, residual):  # of rows that processes share
         world().sum(part)
     turned = np.hstack([m.turned(step.theta * residual)[:, m.possible] for m in motions])
@@ -368,7 +375,7 @@ def _free_combinations(system: System, motions: Sequence[Motions], moves: Array,
     balanced[:, : turned.shape[1]] -= turned
     fixed = np.concatenate([f.fixed for f in system.model.fields])
     largest = met[~fixed].max(axis=1)
-    scale = np.where(largest > 0, largest, 1.0)[:, None]
+    scale = np.where(largest > TINY, largest, 1.0)[:, None]
     return np.hstack([null_space(np.vstack([F[~fixed] / scale, moves[fixed]])) for F in (forces, balanced)])
 
 

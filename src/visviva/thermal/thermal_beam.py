@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
 from visviva.body.beam import Beam
 from visviva.body.beam_shapes import shape_of
@@ -88,8 +89,12 @@ class ThermalBeam(Beam, HeatCarrier):
         given = heat.reference if self.temperature is None else self.temperature
         found = given(self.points) if callable(given) else given
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), n))
-        across = self.slopes(self.points) if callable(self.slopes) else self.slopes
-        self.start_slopes = np.array(np.broadcast_to(np.asarray(across, dtype=float)[..., :2], (n, 2)))
+        across = (
+            of_places(self.label, "slopes", self.slopes, self.points, (n, 2))
+            if callable(self.slopes)
+            else self.slopes
+        )
+        self.start_slopes = np.array(np.broadcast_to(across, (n, 2)))
         self._refuse_below_zero(self.label, self.start_temperatures, self.start_slopes)
 
     def _refuse_below_zero(self, label: str, T: Array, across: Array) -> None:
