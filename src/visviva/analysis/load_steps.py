@@ -109,6 +109,30 @@ class Static(Scheme):
 
 
 @dataclass
+class Bracket:
+    """Parts of an increment between which the work of the residual vanishes; it is `work` at the lower one.
+
+    Behind a kink, as where cracks close, the work may rise so steeply that secants fall short of it.
+    """
+
+    work: float
+    low: float = 0.0
+    high: float = 1.0
+    is_passed: bool = False
+
+    def next(self, s: float, g: float) -> float:
+        """The part to try after `s`, where the work is `g`: a shorter one, unless a longer one was too long."""
+        same = bool(np.isfinite(g)) and g * self.work > 0
+        if same and self.is_passed:
+            self.low, self.work = s, g
+            return 0.5 * (s + self.high)
+        self.high, self.is_passed = s, self.is_passed or (bool(np.isfinite(g)) and not same)
+        known = np.isfinite(g) and g != self.work
+        share = float(np.clip(self.work / (self.work - g), 0.1, 0.5)) if known else 0.25
+        return self.low + share * (s - self.low)
+
+
+@dataclass
 class Equilibrium:
     """The equations of equilibrium of a system at load parameters from `start` on, at the trial state of its core."""
 
@@ -224,16 +248,17 @@ class Equilibrium:
         closed gaps changes along the way, and with friction, which has no potential, the work then tells nothing, and
         the whole increment is taken where that is possible.
         """
-        s, touches, possible = 1.0, any(c.touches or c.rubs for c in self.system.components), False
+        touches, possible = any(c.touches or c.rubs for c in self.system.components), False
+        s, bracket = 1.0, Bracket(g0)
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)
             possible = possible or (touches and s == 1.0 and np.isfinite(g) and not self._refused(time))
             if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
                 return r
-            shorter = s * np.clip(g0 / (g0 - g), 0.1, 0.5) if np.isfinite(g) and g0 != g else 0.25 * s
-            self.dx[:] += (shorter - s) * d
-            s = shorter
+            other = bracket.next(s, g)
+            self.dx[:] += (other - s) * d
+            s = other
         if possible:
             self.dx[:] += (1 - s) * d
         return None
