@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError
 from visviva.base.html import table
 from visviva.body.carriers import Carriers
-from visviva.body.element import volumes
+from visviva.body.element import Geometry, geometry, volumes
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
 from visviva.body.touching import Skin
 from visviva.component.component import short
@@ -23,6 +23,7 @@ from visviva.component.point import Attachable
 from visviva.component.values import Number, Vector3, VectorOrFunction
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.locate import locate
+from visviva.mesh.quadrature import Rule
 from visviva.model.field import Field, Vectors
 from visviva.model.form import Form, Vector
 
@@ -150,6 +151,11 @@ class MeshBody(Attachable, Meshed):
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
         """Quadrature points of faces for forces on them, type by type; of shells on their middle, or `on_sides`."""
         return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    def _geometry(self, cell: str, nodes: Ints, rule: Rule | None = None) -> Geometry:
+        """Gradients and volumes of cells (m, k) of a type, by default at the points of internal forces."""
+        options: Any = {"thickness": self.thickness, "axisymmetric": self.axisymmetric}
+        return geometry(self.grid.points, nodes, cell, rule=rule, **options)
 
     # --- masses and the start ------------------------------------------------------------------------------
     @cached_property

@@ -14,7 +14,7 @@ from visviva.base.arguments import of_places
 from visviva.base.errors import InputError, nearest
 from visviva.base.world import world
 from visviva.body import formulation as forms
-from visviva.body.element import geometry, masses, nodal_masses, solid_rule
+from visviva.body.element import masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
@@ -262,7 +262,7 @@ class Solid(MeshBody):
     def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
         """Elements with their nodes (m, k), some of those of their type, numbered from `first`, and their term."""
         points, d = self.grid.points, self.dimension
-        g = geometry(points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
+        g = self._geometry(cell, nodes)
         index, parameters = self.node_unknowns(nodes), self.body_material.parameters(len(nodes))
         kind = self.body_material.kind
         mass = self._cell_masses(cell, nodes) if self.density > 0 else None

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.body.element import geometry
 from visviva.body.solid import Solid
 from visviva.body.solid_term import Elements
 from visviva.component.component import settings
@@ -98,7 +97,7 @@ class ViscoelasticSolid(Branched, Solid):
 
     def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
         made = super()._elements_of(model, cell, nodes, first, some)
-        g = geometry(self.grid.points, nodes, cell, thickness=self.thickness, axisymmetric=self.axisymmetric)
+        g = self._geometry(cell, nodes)
         group = Group(self.node_unknowns(nodes), g.columns, None, True)
         for constants in self._constants:
             add_points(model, self, g.chosen(BRANCH), [group], g.volume, constants)

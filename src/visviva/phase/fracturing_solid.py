@@ -267,14 +267,7 @@ class FracturingSolid(Solid):
         self.volumes = [elements.volume for elements in self._elements]
 
     def _evaluation(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
-        g = geometry(
-            self.grid.points,
-            nodes,
-            cell,
-            rule=rule,
-            thickness=self.thickness,
-            axisymmetric=self.axisymmetric,
-        )
+        g = self._geometry(cell, nodes, rule)
         N = CELLS[cell].N(rule.points)
 
         def vectors(x: Array, some: slice) -> Array:

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from visviva import _core
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
-from visviva.body.element import geometry, solid_rule
+from visviva.body.element import solid_rule
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
@@ -211,7 +211,7 @@ class MixtureSolid(Solid):
             yield cell, at, looks, self._cell_masses(cell, nodes) if self.density > 0 else None
 
     def _cells(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
-        g = geometry(self.grid.points, nodes, cell, rule=rule, thickness=self.thickness)
+        g = self._geometry(cell, nodes, rule)
         N = CELLS[cell].N(rule.points)
         return self._stressed_cells(nodes, g.gradients, g.volume, N, lambda x, of: self.values(x)[of] @ N.T)
 

@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
 from visviva.body import formulation as forms
-from visviva.body.element import Geometry, geometry, solid_rule
+from visviva.body.element import Geometry, solid_rule
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
@@ -227,15 +227,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         modes = self._inner.start + d * d * numbers[:, None] + d * np.arange(d)
         return np.hstack([positions, modes])
 
-    def _geometry(self, cell: str, nodes: Ints, rule: Rule) -> Geometry:
-        g = geometry(
-            self.grid.points,
-            nodes,
-            cell,
-            rule=rule,
-            thickness=self.thickness,
-            axisymmetric=self.axisymmetric,
-        )
+    def _geometry(self, cell: str, nodes: Ints, rule: Rule | None = None) -> Geometry:
+        g = super()._geometry(cell, nodes, rule)
         return forms.enhanced(self.grid.points, nodes, cell, g) if self.formulation == "enhanced" else g
 
     def _groups(self, cell: str, nodes: Ints, first: int, g: Geometry, rule: Rule) -> list[Group]:
