@@ -17,6 +17,7 @@ from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.phase.crack_law import IDENTITY
 from visviva.phase.fracturing_solid import FracturingSolid
 from visviva.thermal.heat import Heat
+from visviva.thermal.thermoelastic_checks import refuse_heat
 from visviva.thermal.thermoelastic_solid import ThermoelasticSolid
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
                 f"{self.label}: moduli_slope = {self._own_heat.moduli_slope:g}: moduli of what cracks do not change "
                 "with the temperature yet; leave it 0"
             )
-        self._refuse_heat(self._own_heat)
+        refuse_heat(self, self._own_heat)
 
     @property
     def _own_heat(self) -> Heat:

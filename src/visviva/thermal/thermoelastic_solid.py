@@ -35,6 +35,7 @@ from visviva.thermal.heat import Heat, HeatLaw
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
 from visviva.thermal.sheet_cells import SheetCells, resting_entropy
+from visviva.thermal.thermoelastic_checks import coupling_remarks, refuse_others
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -61,8 +62,6 @@ DILATED = {
     ),
 }
 """Physics in space, in a plane and of revolution; with a change of volume that is not that of the point."""
-LOCKING, SWINGING = 1.0, 20.0
-"""Couplings of heat and strains from which on linear cells lock (``benchmarks/held_heat.py``), and steps swing."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -127,76 +126,13 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     def body_material(self) -> Material:
         return self.heat.material(self.material)
 
-    @property
-    def _brick(self) -> str:
-        """The cell that formulations against locking are for."""
-        return forms.BRICKS[self.grid.dimension - 2]
-
     def _refuse_others(self) -> None:
-        if self.plane == "stress" and self.heat.energy() is not None:
-            raise InputError(
-                f"{self.label}: plane = 'stress' is not for {type(self.heat).__name__}; take 'strain', or one layer of "
-                "cells in space"
-            )
-        if self.formulation == "mixed" and self.heat.energy() is not None:
-            raise InputError(
-                f"{self.label}: formulation = {self.formulation!r} is not for {type(self.heat).__name__}; take "
-                f"'F-bar' or 'enhanced' with {self._brick}, or 'displacement' with cells of second order"
-            )
-        if self.formulation == "mixed":
-            self._refuse_pressures()
-        if self.body_material.small or (self.body_material.energy is not None and self.heat.energy() is None):
-            raise InputError(
-                f"{self.label}: {type(self.body_material).__name__} is no material of finite strains of the core; for "
-                "small strains take vv.SaintVenantKirchhoff, for an energy of your own vv.UserHeat"
-            )
+        refuse_others(self)
         if self._is_heated or self._is_damped or self.lumped:
             raise InputError(f"{self.label}: takes no thermal_strain, damping or lumped masses")
-        if isinstance(self.heat, Heat):
-            self._refuse_heat(self.heat)
-
-    def _refuse_pressures(self) -> None:
-        equal = [cell for cell in self.grid.cells if cell in forms.STABILISED]
-        if equal:
-            raise InputError(
-                f"{self.label}: pressures of {', '.join(equal)} would oscillate beside temperatures; take cells of "
-                f"second order with formulation='mixed', or {self._brick}"
-            )
-        if not np.isfinite(self.body_material.lame[0]):
-            raise InputError(
-                f"{self.label}: pressures and heat need a material whose volume changes; take a Poisson's ratio below "
-                "0.5, 0.4999 say"
-            )
-
-    def _refuse_heat(self, heat: Heat) -> None:
-        if heat.expansion and not np.isfinite(self.body_material.lame[0]):
-            raise InputError(
-                f"{self.label}: an incompressible material cannot expand; make its bulk modulus finite"
-            )
-        if beyond := heat.beyond_slopes(self.start_temperatures):
-            raise InputError(f"{self.label}: {beyond}")
 
     def remarks(self) -> list[str]:
-        found = super().remarks()
-        if not isinstance(self.heat, Heat):
-            return found
-        number = self.heat.coupling_number(self.body_material, float(self.start_temperatures.mean()))
-        said = (
-            f"{self.label}: heat and strains couple by T beta^2 / (M c) = {number:.2g} (beta = 3 K expansion)"
-        )
-        linear = any(CELLS[kind].n_nodes == CELLS[kind].n_corners for kind in self.grid.cells)
-        thins = self.plane == "stress"  # so that its volume changes freely
-        if number >= LOCKING and linear and self.formulation == "displacement" and not thins:
-            found.append(
-                f"{said}, so that it hardly changes its volume without heat, and linear cells lock: take "
-                f"formulation='enhanced', 'F-bar' or 'mixed' with {self._brick}, or cells of second order"
-            )
-        if number >= SWINGING:
-            found.append(
-                f"{said}: where temperatures change by some per cent, steps of schemes that damp nothing swing or "
-                "fail; take BDF2() or BackwardEuler()"
-            )
-        return found
+        return [*super().remarks(), *coupling_remarks(self)]
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
