@@ -44,7 +44,7 @@ def disc(**more: Any) -> Any:
         (lambda: warm(thickness=3.0), "thickness is for plane meshes"),
         (
             lambda: ring(plane="axisymmetric", thickness=3.0),
-            "thickness is for plane strain and stress; leave it out",
+            "thickness is for what is not axisymmetric; leave it out",
         ),
         (lambda: disc(thickness=3.0), "thickness is for what is not axisymmetric; leave it out"),
         (lambda: vv.HeatFlux(body=warm(), faces="x0", flux=True), "flux: true is no number"),

@@ -21,6 +21,7 @@ from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, 
 from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
 from visviva.component.announcements import SharedOut, Wetting, shared_numbers
 from visviva.component.component import settings
+from visviva.component.meshed import refuse_thickness
 from visviva.component.values import Number, NumberAtPlace, Vector3, VectorOrFunction
 from visviva.material.material import Material
 from visviva.mesh.cells import CELLS
@@ -107,16 +108,12 @@ class Solid(MeshBody):
         for name in ("density", "mass_damping", "stiffness_damping"):
             if getattr(self, name) < 0:
                 raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is negative")
-        if not self.thickness > 0:
-            raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
         self.grid = self._checked_mesh()
         if self.grid.dimension == 3 and self.plane != "strain":
             raise InputError(
                 f"{self.label}: plane = {self.plane!r} is for plane meshes, and its mesh is not plane"
             )
-        if (self.grid.dimension == 3 or self.plane == "axisymmetric") and self.thickness != 1.0:
-            whose = "plane meshes" if self.grid.dimension == 3 else "plane strain and stress"
-            raise InputError(f"{self.label}: thickness is for {whose}; leave it out")
+        refuse_thickness(self.label, self.thickness, self.grid.dimension, self.axisymmetric)
         if self.tangent == "start" and self.body_material.energy is not None:
             raise InputError(
                 f"{self.label}: tangent='start' needs a material of the core instead of a UserMaterial"

@@ -19,6 +19,20 @@ from visviva.output.surface import Surface
 Array = NDArray[np.float64]
 
 
+def refuse_thickness(label: str, thickness: float, dimension: int, axisymmetric: bool = False) -> None:
+    """Refuse a thickness that is not positive, and one of what has none, in space or of revolution.
+
+    Raises
+    ------
+    InputError
+    """
+    if not thickness > 0:
+        raise InputError(f"{label}: thickness = {thickness:g} is not positive")
+    if (dimension == 3 or axisymmetric) and thickness != 1.0:
+        whose = "plane meshes" if dimension == 3 else "what is not axisymmetric"
+        raise InputError(f"{label}: thickness is for {whose}; leave it out")
+
+
 class Meshed(Component):
     """A component that fills the cells of a mesh `grid`, with fields at its nodes."""
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError, nearest
 from visviva.body.space import MeshSpace, ScalarSpace, Table
 from visviva.body.spline_space import SplineSpace
-from visviva.component.meshed import Meshed
+from visviva.component.meshed import Meshed, refuse_thickness
 from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
@@ -69,15 +69,12 @@ class PhaseBody(Meshed):
     def _prepare(self, given: NumberAtPlace) -> None:
         """Mesh, space, start values, and what is refused of them."""
         self._tensor = positive_tensor(self.label, "gradient_energy =", self.gradient_energy)
-        if not self.thickness > 0:
-            raise InputError(f"{self.label}: thickness = {self.thickness:g} is not positive")
         try:
             self.space = self._space()
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self.grid = self.space.grid
-        if self.thickness != 1.0 and self.grid.points.shape[1] == 3:
-            raise InputError(f"{self.label}: thickness is for plane meshes; leave it out")
+        refuse_thickness(self.label, self.thickness, self.grid.points.shape[1])
         self.start_values = self._sampled(given)
         self._refuse_outside()
         self._refuse_thin_interfaces()

@@ -16,7 +16,7 @@ from visviva.body.mesh_points import FacePoints, Points, cell_points, face_point
 from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import Component, settings
-from visviva.component.meshed import Meshed
+from visviva.component.meshed import Meshed, refuse_thickness
 from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
@@ -94,9 +94,8 @@ class ThermalBody(Meshed, HeatCarrier):
     axisymmetric: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("density", "thickness"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{self.label}: {name} = {getattr(self, name):g} is not positive")
+        if not self.density > 0:
+            raise InputError(f"{self.label}: density = {self.density:g} is not positive")
         try:
             self.grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
         except InputError as error:
@@ -106,9 +105,7 @@ class ThermalBody(Meshed, HeatCarrier):
                 f"{self.label}: its mesh has cells {', '.join(self.grid.cells)}; it needs cells of volume, or plane "
                 "cells with points (n, 2)"
             )
-        if (self.grid.dimension == 3 or self.axisymmetric) and self.thickness != 1.0:
-            whose = "plane meshes" if self.grid.dimension == 3 else "what is not axisymmetric"
-            raise InputError(f"{self.label}: thickness is for {whose}; leave it out")
+        refuse_thickness(self.label, self.thickness, self.grid.dimension, self.axisymmetric)
         if self.axisymmetric and (self.grid.dimension == 3 or self.grid.points[:, 0].min() < 0):
             raise InputError(f"{self.label}: axisymmetric is for plane meshes at positive radius")
         self._tensor = positive_tensor(self.label, "the conductivity", self.conductivity)
