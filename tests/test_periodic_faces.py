@@ -124,6 +124,36 @@ def test_refusals(pairs: Any, words: str) -> None:
         vv.PeriodicFaces(solid=cell(), pairs=pairs)
 
 
+SQUARE = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="quad9")
+PHASES: dict[str, Any] = {
+    "free_energy": vv.PolynomialEnergy(coefficients=(0.0, 0.0, 1.0, -2.0, 1.0)),
+    "gradient_energy": 1.0,
+    "concentration": 0.5,
+}
+RUBBER: dict[str, Any] = {"material": vv.NeoHooke(young=10.0, poisson=0.3)}
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda pairs: vv.Fluid(mesh=SQUARE, density=1.0, viscosity=1.0, periodic=pairs),
+        lambda pairs: vv.CahnHilliard(mesh=SQUARE, periodic=pairs, **PHASES),
+        lambda pairs: vv.MixtureSolid(mesh=SQUARE, periodic=pairs, **PHASES, **RUBBER),
+        lambda pairs: vv.SplineSolid(mesh=vv.SplineBox(size=(1, 1), counts=(3, 3)), periodic=pairs, **RUBBER),
+        lambda pairs: vv.PeriodicFaces(solid=vv.Solid(mesh=SQUARE, **RUBBER), pairs=pairs),
+    ],
+)
+def test_all_name_their_pairs_alike(make: Any) -> None:
+    """Lists or tuples of two names, which differ: a fluid took one name twice, without a word."""
+    assert make([["x0", "x1"]])
+    with pytest.raises(
+        vv.InputError, match=r"(periodic|pairs): \('x0', 'x0'\) is no pair of two sets of faces"
+    ):
+        make([["x0", "x0"]])
+    with pytest.raises(vv.InputError, match=r"(periodic|pairs)"):
+        make([["x0"]])
+
+
 def test_supports_may_hold_both_nodes_of_a_pair_at_their_distance() -> None:
     """Simple shear between plates, of which edges lie on both sides: ``F = 1 + g e1 e2``."""
     body, g = cell(material=vv.SaintVenantKirchhoff(young=10.0, poisson=0.25)), 0.3

@@ -29,7 +29,7 @@ def links(space: SplineSpace, pairs: Sequence[tuple[str, str]]) -> Any:
     import scipy.sparse as sp
     from scipy.sparse.csgraph import connected_components
 
-    edges = np.concatenate([matched(space, pair[0], pair[-1]) for pair in pairs])
+    edges = np.concatenate([matched(space, *pair) for pair in pairs])
     graph = sp.coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(space.size,) * 2)
     _, group = connected_components(graph, directed=False)
     _, first, inverse = np.unique(group, return_index=True, return_inverse=True)

@@ -71,7 +71,7 @@ class SplineSolid(OnSplines):
         for pair in self.periodic:
             if set(pair) not in joined:
                 raise InputError(
-                    f"{self.label}: periodic = {tuple(pair)} joins nothing by itself: add vv.PeriodicFaces(solid=..., "
+                    f"{self.label}: periodic = {pair} joins nothing by itself: add vv.PeriodicFaces(solid=..., "
                     "pairs=...) of this pair, or leave it out"
                 )
 

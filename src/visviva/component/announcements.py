@@ -53,7 +53,7 @@ class Repeating:
 
 def shared_numbers(model: Model, body: Meshed) -> NDArray[np.int64]:
     """Numbers (n,) of the nodes of a body in fields beside positions: those that stand for each other have one."""
-    pairs = [(p[0], p[-1]) for sides in model.announced(body, Repeating) for p in sides.pairs]
+    pairs = [pair for sides in model.announced(body, Repeating) for pair in sides.pairs]
     return numbering(body.grid, pairs, body.label)[0]
 
 

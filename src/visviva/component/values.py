@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, FiniteFloat, PlainSerializer, WithJsonSchema
 
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
@@ -304,8 +304,17 @@ def _name(faces: Any) -> str:
 
 FaceSet = Annotated[Any, BeforeValidator(_faces), PlainSerializer(_name), WithJsonSchema({"type": "string"})]
 """Faces of a solid: the name of a set, 'all' for the boundary, or `Faces`."""
-Pairs = Annotated[Sequence[tuple[str, str]], LISTED]
-"""Names of sets of faces that are taken for the same."""
+
+
+def _pairs(value: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    for first, second in value:
+        if first == second:
+            raise ValueError(f"{(first, second)!r} is no pair of two sets of faces")
+    return tuple((first, second) for first, second in value)
+
+
+Pairs = Annotated[Sequence[tuple[str, str]], LISTED, AfterValidator(_pairs)]
+"""Names of sets of faces that are taken for the same, two by two."""
 
 
 def _motion(value: Any) -> Any:

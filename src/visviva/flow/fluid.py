@@ -17,7 +17,7 @@ from visviva.component.announcements import SharedOut
 from visviva.component.component import settings
 from visviva.component.meshed import Meshed
 from visviva.component.momentum import Axes, axes_along, by_forces, joined
-from visviva.component.values import Number, VectorOrField, VectorOrFunction
+from visviva.component.values import Number, Pairs, VectorOrField, VectorOrFunction
 from visviva.flow.conditions import Conditions
 from visviva.flow.divergence import divergence_rows
 from visviva.flow.elements import PAIRS, STABILISED, Batch, adapted, pressure_numbers
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Pairs = tuple[tuple[str, str], ...]
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -64,7 +63,7 @@ class Fluid(Meshed):
     body_force : (3,), expressions or callable
         Force per volume; expressions in t, x, y, z, ``("sin(y)", 0, 0)``; or ``f(t, X)`` of time and positions (n, 3)
         with values (n, 3).
-    periodic : pairs of str
+    periodic : sequence of (str, str)
         Names of sets of faces whose nodes a translation takes onto each other; they share their unknowns. What is
         immersed passes them, on into the next period.
     dry : bool

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError, RunError
 from visviva.base.timefunction import OfTime
 from visviva.body.director_body import DirectorBody
@@ -17,7 +15,7 @@ from visviva.body.mesh_body import MeshBody
 from visviva.component.announcements import Facing, Repeating
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
-from visviva.component.values import Matrix
+from visviva.component.values import Matrix, Pairs
 from visviva.mesh.periodic import numbering, refuse_apart, refuse_periodic
 from visviva.model.form import Form
 
@@ -71,7 +69,7 @@ class PeriodicFaces(Component):
     contributes_last: ClassVar[int] = 1  # after supports
 
     solid: MeshBody
-    pairs: Annotated[Sequence[tuple[str, str]], LISTED]
+    pairs: Pairs
     strain: Matrix = (0.0, 0.0, 0.0)
     times: OfTime | None = None
 
@@ -82,11 +80,8 @@ class PeriodicFaces(Component):
             raise InputError(
                 f"{self.label}: directors of {self.solid.label} would turn freely at its ends; take a solid"
             )
-        for pair in self.pairs:
-            if pair[0] == pair[-1]:
-                raise InputError(f"{self.label}: {tuple(pair)} is no pair of two sets of faces")
         try:
-            number, _ = numbering(self.solid.grid, [(p[0], p[-1]) for p in self.pairs], self.label)
+            number, _ = numbering(self.solid.grid, self.pairs, self.label)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self.leaders = np.unique(number, return_index=True)[1][

@@ -165,17 +165,17 @@ class MixtureSolid(Solid):
         """Refuse sides whose concentrations are one while their positions are not."""
         sides = model.announced(self, PeriodicFaces)
         for pair in self.periodic:
-            a, b = partners(self.grid, pair[0], pair[-1], self.label).T
+            a, b = partners(self.grid, *pair, self.label).T
             if not any(np.array_equal(s.leaders[a], s.leaders[b]) for s in sides):
                 raise InputError(
-                    f"{self.label}: periodic has {(pair[0], pair[-1])!r}, whose concentrations are one, while "
+                    f"{self.label}: periodic has {pair!r}, whose concentrations are one, while "
                     "positions there move freely: add vv.PeriodicFaces(solid=..., pairs=...) of this pair, whose "
                     "strain is that of the cell, or leave the pair out"
                 )
-        together = numbering(self.grid, [(p[0], p[-1]) for p in self.periodic], self.label)[0]
+        together = numbering(self.grid, self.periodic, self.label)[0]
         for s in sides:
             for a, b in (
-                p for p in s.pairs if np.ptp(together[partners(self.grid, p[0], p[-1], "")], axis=1).any()
+                pair for pair in s.pairs if np.ptp(together[partners(self.grid, *pair, "")], axis=1).any()
             ):
                 raise InputError(
                     f"{self.label}: {s.label} joins the positions of {(a, b)!r}, beyond which its concentrations do "

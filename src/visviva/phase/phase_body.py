@@ -80,16 +80,12 @@ class PhaseBody(Meshed):
         self._refuse_thin_interfaces()
 
     def _space(self) -> ScalarSpace:
-        pairs = [(pair[0], pair[-1]) for pair in self.periodic]
-        for pair in pairs:
-            if pair[0] == pair[1]:
-                raise InputError(f"periodic has {pair!r}, which is no pair of two sets of faces")
         if isinstance(self.mesh, SplineSource):
-            return SplineSpace(self.mesh, pairs, self.thickness, self.level_at_sides)
+            return SplineSpace(self.mesh, self.periodic, self.thickness, self.level_at_sides)
         grid = (self.mesh.build() if isinstance(self.mesh, MeshSource) else self.mesh).check()
         return MeshSpace(
             grid,
-            pairs,
+            self.periodic,
             self.thickness,
             label=self.label,
             at_corners=self.lumps and self.free_energy.has_domain,

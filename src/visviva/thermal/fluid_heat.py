@@ -12,9 +12,9 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError
 from visviva.body.mesh_points import FacePoints, Points, face_points
 from visviva.component.component import Component, settings
-from visviva.component.values import Number, NumberAtPlace
+from visviva.component.values import Number, NumberAtPlace, Pairs
 from visviva.flow.conditions import Condition
-from visviva.flow.fluid import Fluid, Pairs
+from visviva.flow.fluid import Fluid
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
 from visviva.model.field import Role
