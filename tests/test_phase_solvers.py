@@ -56,11 +56,11 @@ def test_gmres_finds_what_factors_find(cell: str, options: dict[str, Any]) -> No
 
 
 @pytest.mark.parametrize("n", [6, 12, 18])
-@pytest.mark.parametrize("step", [1e-3, 0.1, 2.0])
+@pytest.mark.parametrize("step", [1e-3, 0.1, 20.0])
 def test_iterations_do_not_depend_on_mesh_and_step(n: int, step: float) -> None:
-    """To six digits within 25, or the step fails."""
+    """To six digits within 16, or the step fails: by a polynomial in short steps, by multigrid in long ones."""
     body = alloy(vv.BoxMesh(size=(12, 12, 12), counts=(n, n, n)), gradient_energy=16.0)
-    end(body, by_gmres(1e-6, 25), step, newton=1e-7)
+    end(body, by_gmres(1e-6, 16), step, newton=1e-7)
 
 
 def test_what_is_no_mixture_is_refused() -> None:

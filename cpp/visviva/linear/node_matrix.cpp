@@ -30,8 +30,13 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
     modes_.assign(size() * n_modes_, 0.0);
     algebraic_.assign(a_.n(), 0);
     level_.assign(a_.n(), 1.0);
-    for (int i = 0; i < pattern.n; ++i)
-        if (!blocks.algebraic.empty() && blocks.algebraic[i]) algebraic_[slot_[i] / a_.rows] = 1;
+    kinds_.assign(size(), Kind::filling), block_.resize(pattern.n);
+    for (int i = 0; i < pattern.n; ++i) {
+        const bool algebraic = !blocks.algebraic.empty() && blocks.algebraic[i];
+        block_[i] = slot_[i] / a_.rows;
+        kinds_[slot_[i]] = algebraic ? Kind::algebraic : Kind::differential;
+        if (algebraic) algebraic_[block_[i]] = 1;
+    }
     for (int i = 0; i < pattern.n; ++i)
         std::copy_n(blocks.modes.data() + static_cast<std::size_t>(i) * n_modes_, n_modes_,
                     modes_.data() + static_cast<std::size_t>(slot_[i]) * n_modes_);
@@ -120,7 +125,7 @@ bool NodeMatrix::fill(int b, const double* values) {
         const int i = order_[row];
         std::int64_t at = a_.row[b];
         for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
-            const int slot = slot_[csr_->col[k]], c = slot / m;
+            const int slot = slot_[csr_->col[k]], c = block_[csr_->col[k]];
             if (a_.col[at] > c) at = a_.row[b];
             while (a_.col[at] < c) ++at;
             a_.block(at)[(slot - c * m) * m + row - first_[b]] = values[k];

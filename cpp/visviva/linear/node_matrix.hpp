@@ -23,6 +23,9 @@ class NodeMatrix {
     const std::vector<double>& modes() const { return modes_; }  // [slot][n_modes]
     int n_modes() const { return n_modes_; }
     const std::vector<char>& algebraic() const { return algebraic_; }  // by block row
+    // By slot, and what no equation fills.
+    enum class Kind : char { filling, differential, algebraic };
+    const std::vector<Kind>& kinds() const { return kinds_; }
     void multiply(const double* x, double* y) const;
 
     // -r from the unknowns into slots, and slots back to the unknowns.
@@ -49,6 +52,8 @@ class NodeMatrix {
     std::vector<int> first_;  // of every block row in that order, and n
     std::vector<double> modes_;
     std::vector<char> algebraic_;
+    std::vector<Kind> kinds_;
+    std::vector<int> block_;  // block row of every equation
     int n_modes_ = 0;
 };
 

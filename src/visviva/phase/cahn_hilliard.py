@@ -123,6 +123,7 @@ class CahnHilliard(PhaseBody):
         self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.scale)
         if self.form == "mixed":
             self.potential = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
+            self.potential.beside = self.phase
 
     def contribute(self, model: Model) -> None:
         energy = self._user_energy()

@@ -1,17 +1,12 @@
-// Smoothing is a Chebyshev polynomial in the matrix with its diagonal blocks inverted: rows are independent,
-// so results do not depend on who computes them. Threads take rows in pieces, and what a product is for is
-// done while its rows are at hand. The cycle runs in single precision, which is all a preconditioner needs
-// and half the memory traffic.
+// The cycle runs in single precision, which is all a preconditioner needs and half the memory traffic.
 #include "visviva/linear/krylov/multigrid.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "visviva/base/parallel.hpp"
 #include "visviva/linear/krylov/aggregation.hpp"
-#include "visviva/linear/scaled.hpp"
-#include "visviva/linear/sparse_dispatch.hpp"
+#include "visviva/linear/krylov/smoother.hpp"
 
 namespace visviva {
 
@@ -19,38 +14,9 @@ namespace {
 
 using Vector = std::vector<float>;
 
-constexpr int degree = 2;             // of the smoothing polynomial
-constexpr float lowest_share = 0.2F;  // of the spectrum's upper end that smoothing damps
-constexpr int power_steps = 12;
 constexpr double prolongation_weight = 4.0 / 3;  // over the largest eigenvalue
 constexpr double singular_ratio = 1e-12;
 constexpr std::size_t largest_coarsest = 4000;  // equations
-constexpr int piece = 1024;                     // block rows of a task
-
-// y = A x, and then work(i) for every number i of a piece of y.
-template <class F>
-void multiply(const BlockRows<float>& a, const Vector& x, Vector& y, F work) {
-    in_pieces(a.n(), piece, [&](int begin, int end) {
-        sparse_kernels().block_multiply_single(a.view(), x.data(), y.data(), begin, end);
-        for (std::size_t i = static_cast<std::size_t>(begin) * a.rows,
-                         n = static_cast<std::size_t>(end) * a.rows;
-             i < n; ++i)
-            work(i);
-    });
-}
-
-void multiply(const BlockRows<float>& a, const Vector& x, Vector& y) {
-    multiply(a, x, y, [](std::size_t) {});
-}
-
-BlockRows<float> single(const BlockRows<double>& a, double factor) {
-    BlockRows<float> b;
-    b.rows = a.rows, b.cols = a.cols, b.row = a.row, b.col = a.col;
-    b.allocate();
-    std::transform(a.value.begin(), a.value.end(), b.value.begin(),
-                   [factor](double v) { return static_cast<float>(factor * v); });
-    return b;
-}
 
 // Without what couples nodes to constraints and pressures, which stand alone.
 BlockRows<double> decoupled(const BlockRows<double>& a, const std::vector<char>& alone) {
@@ -74,71 +40,6 @@ BlockRows<double> decoupled(const BlockRows<double>& a, const std::vector<char>&
         }
     return b;
 }
-
-class Smoother {
-  public:
-    Smoother(const BlockRows<double>& a, double factor)
-        : a_(single(a, factor)), inverse_(inverse_diagonal<float>(a, false)) {
-        for (float& v : inverse_.value) v = static_cast<float>(v / factor);
-        for (Vector* v : {&residual_, &step_, &scaled_}) v->resize(a_.size());
-        bound();
-    }
-
-    // x += p(D^-1 A) D^-1 (b - A x); with `zero` x counts as zero on entry.
-    void smooth(const Vector& b, Vector& x, bool zero) {
-        const float upper = 1.1F * largest_, lower = lowest_share * upper;
-        const float middle = 0.5F * (upper + lower), half = 0.5F * (upper - lower);
-        if (zero)
-            residual_ = b, std::fill(x.begin(), x.end(), 0.0F);
-        else
-            defect(b, x);
-        float rho = half / middle;
-        for (int k = 0; k < degree; ++k) {
-            const float next = 1 / (2 * middle / half - rho);
-            const float old = k == 0 ? 0 : next * rho, add = k == 0 ? 1 / middle : 2 * next / half;
-            if (k > 0) rho = next;
-            multiply(inverse_, residual_, scaled_,
-                     [&](std::size_t i) { step_[i] = old * step_[i] + add * scaled_[i], x[i] += step_[i]; });
-            if (k + 1 < degree) subtract(step_);
-        }
-    }
-
-    const Vector& defect(const Vector& b, const Vector& x) {
-        multiply(a_, x, residual_, [&](std::size_t i) { residual_[i] = b[i] - residual_[i]; });
-        return residual_;
-    }
-
-    // Of the smoothed prolongation, for a matrix without the factor.
-    const BlockRows<float>& inverse() const { return inverse_; }
-    double weight(double factor) const { return factor * prolongation_weight / (1.1 * largest_); }
-    std::size_t size() const { return a_.size(); }
-    double memory() const { return 4.0 * static_cast<double>(a_.value.size() + a_.col.size()); }
-
-  private:
-    void subtract(const Vector& step) {
-        multiply(a_, step, scaled_, [&](std::size_t i) { residual_[i] -= scaled_[i]; });
-    }
-
-    // Largest eigenvalue of D^-1 A by the power method.
-    void bound() {
-        const auto start = arbitrary_vector(static_cast<int>(size()));
-        std::copy(start.begin(), start.end(), step_.begin());
-        for (int k = 0; k < power_steps; ++k) {
-            multiply(a_, step_, scaled_);
-            multiply(inverse_, scaled_, residual_);
-            double before = 0, after = 0;
-            for (float v : step_) before += static_cast<double>(v) * v;
-            for (float v : residual_) after += static_cast<double>(v) * v;
-            largest_ = static_cast<float>(std::sqrt(after / before));
-            const auto shrink = static_cast<float>(1 / std::sqrt(after));
-            for (std::size_t i = 0; i < size(); ++i) step_[i] = shrink * residual_[i];
-        }
-    }
-
-    BlockRows<float> a_, inverse_;
-    float largest_ = 1;
-    Vector residual_, step_, scaled_;
-};
 
 struct Level {
     Smoother smoother;
@@ -198,7 +99,9 @@ class Aggregated : public Grids {
     // Returns the matrix of the next level.
     BlockRows<double> add_level(const BlockRows<double>& a, const Aggregates& tentative) {
         Smoother smoother(a, scale_);
-        const Prolongation p = smoothed(a, smoother.inverse(), smoother.weight(scale_), tentative);
+        smoother.damp_upper();
+        const Prolongation p =
+            smoothed(a, smoother.inverse(), scale_ * prolongation_weight / smoother.upper(), tentative);
         levels_.push_back(
             {std::move(smoother), p.up(), p.down(), Vector(a.size()), Vector(a.size()), Vector(a.size())});
         return coarse_matrix(a, p);
