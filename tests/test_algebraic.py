@@ -23,6 +23,13 @@ def waves(X: Array) -> Array:
     return 0.5 + 0.1 * np.cos(np.pi * X[:, 0] / 8) + 0.05 * np.cos(np.pi * X[:, 0] / 4)
 
 
+def test_what_is_not_found_at_the_start_is_told_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Potentials in two iterations: what conjugate gradients left was taken for them."""
+    monkeypatch.setattr("visviva.system.algebraic.MOST_LINEAR", 2)
+    with pytest.raises(vv.RunError, match="2 iterations do not find potential of CahnHilliard"):
+        vv.simulate(separating(), until=0.1, step=0.1, scheme=vv.BDF2())
+
+
 def separating() -> vv.System:
     return vv.System([vv.CahnHilliard(mesh=STRIP, mobility=5.0, concentration=waves, **PHASES)])
 

@@ -63,6 +63,20 @@ def test_schemes_that_damp_motion_promise_nothing_of_what_spreads() -> None:
         assert energy_verdict(result).startswith("not meant to be conserved by this scheme")
 
 
+def test_a_mixture_excuses_no_gain_of_others() -> None:
+    """Beside one that hardly changes, a ball that gains energy under a scheme that is to dissipate is wrong."""
+    mixture = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+        free_energy=vv.DoubleWell(barrier=1e-3),
+        gradient_energy=1e-3,
+        concentration=lambda X: 0.5 + 0.01 * X[:, 0],
+    )
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    system = vv.System([ball, vv.UserTerm(term=Leak(), on=[ball]), mixture])
+    verdict = energy_verdict(vv.simulate(system, until=1.0, step=0.1, scheme=vv.BDF2()))
+    assert verdict.startswith("WRONG, as this scheme is to dissipate energy")
+
+
 def lines(result: vv.Result) -> dict[str, str]:
     """Verdicts of the audit by what they are about."""
     return {judged.what: judged.verdict for judged in judgements(result)}

@@ -40,6 +40,7 @@ def test_components_of_fields_are_fields() -> None:
         assert probe(system) == whole[k]
         assert probe.quantity == "stress"
         assert probe.parts == ()
+        assert vv.FieldAt(solid=solid, field=f"cauchy_{part[::-1]}", at=at)(system) == whole[k]
     greatest = vv.Extreme(solid=solid, field="cauchy_xx", which="max")(system)
     assert isinstance(greatest, float)
     assert greatest == pytest.approx(3.0, abs=1e-9)
@@ -49,6 +50,11 @@ def test_fields_that_are_not_there_are_refused_with_those_that_are() -> None:
     for field, known in (("stress", "It has J, .*von_mises"), ("xyz", "there are J, .*von_mises")):
         with pytest.raises(vv.InputError, match=rf"Solid.*: there is no field '{field}'.*{known}.*cauchy_xx"):
             vv.FieldAt(solid=bar(), field=field, at=(1.0, 0.1, 0.1))
+    warm = vv.ThermalBody(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), capacity=1.0, conductivity=1.0)
+    with pytest.raises(
+        vv.InputError, match=r"ThermalBody.*: there is no field 'cauchy_xy'((?!cauchy_xx).)*$"
+    ):
+        vv.FieldAt(solid=warm, field="cauchy_xy", at=(0.5, 0.5, 0.5))
 
 
 @pytest.mark.parametrize("cell", ["hex8", "hex20", "tet10", "wedge6"])

@@ -16,12 +16,15 @@ from visviva.body.mesh_points import FacePoints, Points
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import FULL, OF_STRESS, quantity
 from visviva.body.space import Table
+from visviva.body.spline_periods import CLOSE, leaders
 from visviva.body.spline_points import SplineFacePoints, SplinePoints
 from visviva.body.spline_space import SplineSpace, in_three
 from visviva.body.touching import Skin
+from visviva.component.announcements import Repeating
 from visviva.component.values import Pairs
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
+from visviva.mesh.periodic import partners
 from visviva.mesh.spline import SplineSource
 from visviva.model.field import Vectors
 from visviva.model.form import Form, Vector
@@ -131,8 +134,19 @@ class OnSplines(Solid):
             mass = self.density * np.einsum("mq,mqa,mqb->mab", t.size, t.N, t.N)
             yield self.carriers.unknowns(t.numbers).astype(np.int64), mass
 
+    def declare(self, model: Model) -> None:
+        self._joined = [pair for sides in model.announced(self, Repeating) for pair in sides.pairs]
+        super().declare(model)
+
     def _start(self) -> tuple[Array, Array]:
-        return self.splines.control, self.splines.fitted(self.initial_velocities())
+        v = self.initial_velocities()
+        pairs = [pair for pair in self._joined if v.any() and self._agree(v, pair)]
+        return self.splines.control, self.splines.fitted(v, leaders(self.splines, pairs) if pairs else None)
+
+    def _agree(self, v: Array, pair: tuple[str, str]) -> bool:
+        """Whether these velocities of nodes are the same on both sides."""
+        one, two = partners(self.grid, pair[0], pair[-1], self.label).T
+        return bool(np.abs(v[one] - v[two]).max(initial=0.0) <= CLOSE * np.abs(v).max(initial=0.0))
 
     # --- what it shows -------------------------------------------------------------------------------------
     def at_points(self, name: str, x: Array) -> Array:

@@ -26,6 +26,11 @@ def links(space: SplineSpace, pairs: Sequence[tuple[str, str]]) -> Any:
     InputError
         If functions or control points of sides differ.
     """
+    return differences(leaders(space, pairs), space.size)
+
+
+def leaders(space: SplineSpace, pairs: Sequence[tuple[str, str]]) -> Ints:
+    """Of each control point (size,) the one that it moves with, see `links`."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import connected_components
 
@@ -33,7 +38,7 @@ def links(space: SplineSpace, pairs: Sequence[tuple[str, str]]) -> Any:
     graph = sp.coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(space.size,) * 2)
     _, group = connected_components(graph, directed=False)
     _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
-    return differences(first[inverse], space.size)
+    return np.asarray(first[inverse])
 
 
 def matched(space: SplineSpace, first: str, second: str) -> Ints:

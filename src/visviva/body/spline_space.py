@@ -257,12 +257,15 @@ class SplineSpace:
     def at_nodes(self, coefficients: Array) -> Array:
         return np.asarray(self.samples @ coefficients)
 
-    def fitted(self, values: Array) -> Array:
-        """By least squares."""
+    def fitted(self, values: Array, leaders: Ints | None = None) -> Array:
+        """By least squares; coefficients (size,) with the same leader are the same."""
+        import scipy.sparse as sp
         from scipy.sparse.linalg import spsolve
 
-        S = self.samples
-        return np.asarray(spsolve((S.T @ S).tocsc(), S.T @ values))
+        number = np.unique(np.arange(self.size) if leaders is None else leaders, return_inverse=True)[1]
+        joined = sp.csr_array((np.ones(self.size), number, np.arange(self.size + 1)))
+        S = self.samples @ joined
+        return np.asarray(joined @ spsolve((S.T @ S).tocsc(), S.T @ values))
 
     def held(self, nodes: Ints) -> Ints:
         """Coefficients that nodes depend on.

@@ -77,6 +77,12 @@ PARTS: dict[str, tuple[str, ...]] = {
 """Components of fields that are no vectors."""
 SINGLE = {f"{field}_{part}": (field, k) for field, parts in PARTS.items() for k, part in enumerate(parts)}
 """Components as fields of their own, such as ``cauchy_xx``: the field and the number of the component."""
+SINGLE |= {
+    f"{field}_{part[::-1]}": (field, k)
+    for field, parts in PARTS.items()
+    if parts is SYMMETRIC
+    for k, part in enumerate(parts)
+}
 
 
 def quantity_of(field: str) -> str:

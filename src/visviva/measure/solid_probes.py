@@ -415,9 +415,9 @@ def width_of(body: Meshed, field: str) -> int:
     if whole not in widths:
         close = nearest(field, widths)
         every = f" It has {', '.join(sorted(widths))}." if close.endswith("?") else "."
-        raise InputError(
-            f"{body.label}: there is no field {field!r}{close}{every} Components are fields, too, such as cauchy_xx"
-        )
+        tensors = [f"{name}_{parts_of(name, n)[0]}" for name, n in widths.items() if parts_of(name, n)]
+        such = f" Components are fields, too, such as {tensors[0]}" if tensors else ""
+        raise InputError(f"{body.label}: there is no field {field!r}{close}{every}{such}")
     return widths[whole] if part is None else 1
 
 

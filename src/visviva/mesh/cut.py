@@ -26,7 +26,8 @@ def opened(mesh: Mesh, along: Ints, beyond: Ints) -> Mesh:
     Raises
     ------
     InputError
-        If that separates nothing: no nodes are given, or those cells have none of them.
+        If that separates nothing: no nodes are given, or those cells have none of them. If a set of nodes has the
+        name of a lip.
     """
     double = np.arange(mesh.n_nodes)
     double[along] = mesh.n_nodes + np.arange(len(along))
@@ -38,6 +39,12 @@ def opened(mesh: Mesh, along: Ints, beyond: Ints) -> Mesh:
         cells[name] = np.where(turned, double[rows], rows)
         taken[cells[name]] = True
         first += len(rows)
+    for name in LIPS:
+        if name in mesh.node_sets:
+            raise InputError(
+                f"Mesh: opened names the lips of cuts {LIPS[0]!r} and {LIPS[1]!r}, and there is a set of nodes "
+                f"{name!r}: give that another name"
+            )
     if not len(along) or not taken[along].all() or not taken[mesh.n_nodes :].all():
         raise InputError(
             "Mesh: opened separates nothing: there must be nodes along the cut, and each needs cells on both sides"

@@ -207,9 +207,9 @@ def energy_verdict(result: Result) -> str:
     if CONSERVED < gained <= missed:
         of = " and ".join([*ledger.works, *ledger.heats])
         return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    spreads = any(f.role is Role.CONTENT for f in result.system.model.fields)
+    by_spread = CONSERVED < gained <= _spread(result) / ledger.energy_scale
     if (
-        not scheme.dissipates or ledger.entropy or ledger.heats or spreads
+        not scheme.dissipates or ledger.entropy or ledger.heats or by_spread
     ):  # it damps motion, the rest either way
         return "not meant to be conserved by this scheme, see how it falls with the step"
     if gained > OVERSHOOT * lost + CONSERVED:
@@ -217,6 +217,19 @@ def energy_verdict(result: Result) -> str:
             "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"
         )
     return "dissipated by the scheme"
+
+
+def _spread(result: Result) -> float:
+    """What was stored and dissipated by components with contents: sums over steps may miss as much, of theirs alone."""
+    model, ledger = result.system.model, result.ledger
+    of = {model.index(f.component) for f in model.fields if f.role is Role.CONTENT}
+    columns = {"potential": "potential", "work": "work", "dissipation": "work"}
+    booked = {
+        f"{columns[a.category]}_{a.kind}"
+        for a in model.accounts
+        if a.component in of and a.category in columns
+    }
+    return sum(map(ledger.swing, sorted(booked)))
 
 
 def momentum_judgements(result: Result) -> list[Judgement]:

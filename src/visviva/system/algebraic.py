@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import RunError
 from visviva.base.world import announce
 from visviva.model.field import Role
 from visviva.system.instant import instant
@@ -26,6 +27,8 @@ Ints = NDArray[np.int64]
 
 ROUNDING, ROUGH = 1e-13, 1e-9
 """Relative change that is none, and one that is none where it does not get smaller: stiff volumes round more."""
+MOST_LINEAR = 1000
+"""Iterations for what is linear."""
 MOST = 25
 """Iterations after which positions without mass stay as they are given."""
 
@@ -42,12 +45,12 @@ def settle(system: System) -> None:
     _bring_into_balance(system, [f for f in fields if _balances(f)])
     for role in (Role.SOLID_PRESSURE, Role.TEMPERATURE):
         if of[role]:
-            find_linear(system, _unknowns(of[role]))
+            find_linear(system, of[role])
     if of[Role.POTENTIAL]:
         owners = {id(f.component) for f in of[Role.POTENTIAL]}
         if of_motion := [f for f in of[Role.MOTION] if id(f.component) in owners]:
             balance(system, _unknowns(of_motion))
-        find_linear(system, _unknowns(of[Role.POTENTIAL]))
+        find_linear(system, of[Role.POTENTIAL])
     system.invalidate()
 
 
@@ -74,16 +77,30 @@ def _unknowns(fields: list[Field]) -> Ints:
     return np.concatenate([f.unknowns for f in fields])
 
 
-def find_linear(system: System, unknowns: Ints) -> None:
-    """What equations are linear in that have a mass matrix for them: projections on the mesh of what others make."""
+def find_linear(system: System, fields: list[Field]) -> None:
+    """What equations are linear in that have a mass matrix for them: projections on the mesh of what others make.
+
+    Raises
+    ------
+    RunError
+        If conjugate gradients do not find it.
+    """
     import scipy.sparse as sp
     from scipy.sparse.linalg import cg
 
-    r, K, at = equations(system, unknowns)
+    r, K, at = equations(system, _unknowns(fields))
     if not len(at):
         return
-    inverse = sp.diags_array(1 / K.diagonal())
-    system.x[at] -= cg(K, _tested(K, r), M=inverse, rtol=ROUNDING, maxiter=1000)[0]
+    b, inverse = _tested(K, r), sp.diags_array(1 / K.diagonal())
+    change = cg(K, b, M=inverse, rtol=ROUNDING, maxiter=MOST_LINEAR)[0]
+    left = float(np.linalg.norm(b - K @ change) / max(np.linalg.norm(b), np.finfo(float).tiny))
+    if not left <= ROUGH:
+        names = ", ".join(dict.fromkeys(f"{f.name} of {f.component.label}" for f in fields))
+        raise RunError(
+            f"initial state: {MOST_LINEAR} iterations do not find {names}, and leave {left:.1e} of the residual: "
+            "sizes of its cells, or constants of its material, are out of proportion"
+        )
+    system.x[at] -= change
 
 
 def _tested(K: sp.csr_array, r: Array) -> Array:
