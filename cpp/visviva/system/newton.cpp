@@ -146,7 +146,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     update_vectors(step);
     // Velocities are increments by the step length: errors are judged against the increment of the whole
     // step.
-    const double tolerance = options.tolerance * std::min(1.0, extent());
+    const double tolerance = options.tolerance * std::min(1.0, extent(step.h));
     const double resolution = finest_search();
     int most = options.max_iterations;
     for (int k = 0; k < most; ++k) {

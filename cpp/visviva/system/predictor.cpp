@@ -49,8 +49,8 @@ void scatter(const std::vector<int>& unknowns, const double* from, double* x) {
 
 }  // namespace
 
-void Extrapolation::resize(std::vector<double> weight) {
-    weight_ = std::move(weight);
+void Extrapolation::resize(std::vector<double> weight, bool spreads) {
+    weight_ = std::move(weight), spreads_ = spreads;
     for (auto& d : difference_) d.assign(weight_.size(), 0.0);
     forget();
 }
@@ -63,21 +63,29 @@ void Extrapolation::push(const double* x) {
     vector_kernels().differences(n, std::min(known_ + 1, most), x, weight_.data(), d, error, alternating);
     // Difference k + 1 is what the sum of those before it missed x by; where difference k changed its sign,
     // that sum less difference k would have met x.
+    // Of few steps there is little to choose from.
     order_ = 1, alternates_ = false;
     double least = known_ > 0 ? error[0] : 0;
+    if (spreads_ && known_ > 0)
+        if (const double all = vector_kernels().largest(n, x, weight_.data()); all < least)
+            least = all, order_ = 0;
     for (int k = 1; k < known_; ++k) {
-        if (error[k] < least) least = error[k], order_ = k + 1, alternates_ = false;
-        if (alternating[k] < least) least = alternating[k], order_ = k, alternates_ = true;
+        if (error[k] < least && known_ > 2) least = error[k], order_ = k + 1, alternates_ = false;
+        if (alternating[k] < least && (known_ > 2 || spreads_))
+            least = alternating[k], order_ = k, alternates_ = true;
     }
-    if (known_ < 3) order_ = 1, alternates_ = false;  // too little to choose from
     known_ = std::min(known_ + 1, most);
 }
 
 void Extrapolation::next(double* x) const {
     const int n = static_cast<int>(weight_.size());
-    std::copy(difference_[0].begin(), difference_[0].end(), x);
-    for (int k = 1; k < order_ + (alternates_ ? 1 : 0); ++k)
+    std::fill(x, x + n, 0.0);
+    for (int k = 0; k < order_ + (alternates_ ? 1 : 0); ++k)
         vector_kernels().affine(n, k < order_ ? 1.0 : -1.0, difference_[k].data(), x, x);
+}
+
+double Extrapolation::largest() const {
+    return vector_kernels().largest(static_cast<int>(weight_.size()), difference_[0].data(), weight_.data());
 }
 
 void Extrapolation::write(std::vector<double>& memory) const {
@@ -95,10 +103,10 @@ const double* Extrapolation::read(const double* memory) {
     return memory;
 }
 
-void Predictor::resize(std::vector<int> coordinates, std::vector<double> weight, std::vector<int> multipliers,
-                       std::vector<RigidUnknowns> rigid) {
+void Predictor::resize(std::vector<int> coordinates, std::vector<double> weight, bool spread,
+                       std::vector<int> multipliers, std::vector<RigidUnknowns> rigid) {
     coordinates_ = std::move(coordinates), multipliers_ = std::move(multipliers), rigid_ = std::move(rigid);
-    motion_.resize(std::move(weight));
+    motion_.resize(std::move(weight), spread);
     multiplier_.resize(std::vector<double>(multipliers_.size(), 1.0));
     turn_.resize(std::vector<double>(3 * rigid_.size(), 1.0));
     work_.assign(std::max({coordinates_.size(), multipliers_.size(), 3 * rigid_.size()}), 0.0);

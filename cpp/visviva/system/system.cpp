@@ -108,7 +108,9 @@ void System::prepare_predictor() {
         (order_[i] > 0 ? coordinates : multipliers).push_back(i);
         if (order_[i] > 0) weight.push_back(inverse_scale_[i]);
     }
-    predictor_.resize(std::move(coordinates), std::move(weight), std::move(multipliers), blocks_.rigid);
+    const bool moves = std::find(order_.begin(), order_.end(), 2) != order_.end();
+    predictor_.resize(std::move(coordinates), std::move(weight), !any(moves), std::move(multipliers),
+                      blocks_.rigid);
 }
 
 // The start of the iteration: motion extrapolated, prescribed unknowns as set.
@@ -242,13 +244,15 @@ bool System::solve_increment(const Step& step, double tolerance) {
     return solved;
 }
 
-// Size of the predicted step, relative to the unknowns' scales; 1 where nothing is predicted.
-double System::extent() const {
+// Size of the predicted step, or of the last where that predicts none, relative to the unknowns' scales; 1
+// where nothing is known.
+double System::extent(double h) const {
     double largest = 0;
     for (const Segment& s : segments_)
         if (s.order > 0)
             largest = std::max(
                 largest, vector_kernels().largest(s.end - s.begin, &dx[s.begin], &inverse_scale_[s.begin]));
+    if (largest == 0) largest = predictor_.largest(h);
     return largest > 0 ? largest : 1;
 }
 

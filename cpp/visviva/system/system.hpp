@@ -279,7 +279,7 @@ class System {
     bool has_branched() const;
     bool update_tangent(const Context&);
     int worst() const;
-    double extent() const;
+    double extent(double h) const;
     double iterate(const Step&);
     double limit_correction();  // shortens d_ by the share that it returns
     void weigh_constraints();
