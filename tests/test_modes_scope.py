@@ -214,10 +214,12 @@ def differences(system: vv.System, step: Any) -> np.ndarray:
 
 
 def by_differences(system: vv.System) -> tuple[np.ndarray, float]:
-    """Eigenvalues where all that is without mass is in equilibrium, complex where the tangent is not symmetric, and how
-    far it is from that."""
+    """Eigenvalues where all that is without mass is in equilibrium, but damages, which do not swing back, are constant;
+    complex where the tangent is not symmetric, and how far it is from that."""
     moves = system.order[system.free_unknowns] > 0
+    damages = [u for growing in system.model.growing for u in growing.field.unknowns]
     order, n = np.argsort(~moves, kind="stable"), int(moves.sum())
+    order = order[~np.isin(system.free_unknowns[order], damages)]
     A = differences(system, load_step(system.time, 0.0))[np.ix_(order, order)]
     factor = 2.0**30
     masses = [differences(system, instant(system.time, leading=sign * factor)) for sign in (1, -1)]

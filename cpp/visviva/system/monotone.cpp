@@ -1,5 +1,7 @@
 #include "visviva/system/monotone.hpp"
 
+#include <iterator>
+
 namespace visviva {
 
 void Monotone::set(std::vector<int> unknowns) {
@@ -93,6 +95,13 @@ void Monotone::clear(double* r) const {
 
 void Monotone::clip(double* dx) const {
     for (int u : unknowns_) dx[u] = rests_[u] ? 0.0 : std::max(dx[u], 0.0);
+}
+
+std::vector<int> Monotone::resting() const {
+    std::vector<int> found;
+    std::copy_if(unknowns_.begin(), unknowns_.end(), std::back_inserter(found),
+                 [&](int u) { return rests_[u] != 0; });
+    return found;
 }
 
 std::vector<double> Monotone::flags() const {

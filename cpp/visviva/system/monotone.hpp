@@ -48,6 +48,7 @@ class Monotone {
     /// Increments that are negative by rounding.
     void clip(double* dx) const;
 
+    std::vector<int> resting() const;
     std::vector<double> flags() const;
     void set_flags(const std::vector<double>& flags);
 

@@ -120,6 +120,8 @@ class System {
     }
     // Unknowns of order 0 that may only grow, see Monotone; their tangents are never kept.
     void set_monotone(std::vector<int> unknowns) { monotone_.set(std::move(unknowns)); }
+    // Those of them that rest at the trial state.
+    std::vector<int> resting() const { return monotone_.resting(); }
     // Unknowns [n] that take no part in what is linearised from now on; none where empty.
     void halt(const std::vector<char>& halted) { monotone_.halt(halted, dx.data()); }
     // Whether the tangent factored last is of those that rest by the residual evaluated last.

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.analysis.factors import factored
-from visviva.analysis.linearized import refuse_first_order, refuse_unfit, refuse_unsymmetric, symmetric
+from visviva.analysis.linearized import (
+    refuse_first_order,
+    refuse_softening,
+    refuse_unfit,
+    refuse_unsymmetric,
+    symmetric,
+)
 from visviva.analysis.multiples import completed
 from visviva.analysis.shapes import Shapes
 from visviva.base.arguments import positive, whole
@@ -19,6 +25,7 @@ from visviva.base.errors import InputError, RunError
 from visviva.component.component import refuse_changed
 from visviva.scheme.schemes import load_step
 from visviva.system.freedom import refuse_free
+from visviva.system.growing import growing_unknowns, refuse_growth
 from visviva.system.instant import COMPLIANCE, difference
 from visviva.system.memory import returning, undisturbed
 from visviva.system.scaling import equilibration
@@ -113,8 +120,9 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     Loads grow as they do just after t. Where all begin with no slope, as ``times="t**2"`` and the centrifugal forces of
     a frame with ``times="t"`` do from 0, there is no K': go to a t where they grow first.
 
-    Contact counts as it is, as in `modes`. Refused by name are follower loads and what else has no potential, fields
-    of first order in time, and what nothing holds.
+    Contact counts as it is, as in `modes`. Damages that rest stay as they are. Refused by name are damages that grow
+    with the loads or follow a history field, follower loads and what else has no potential, fields of first order in
+    time, and what nothing holds.
 
     Examples
     --------
@@ -138,6 +146,7 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     refuse_first_order("buckling", system)
     refuse_free(system)
     refuse_unfit("buckling", system)
+    refuse_softening("buckling", system)
     with undisturbed(system):
         tangent = balanced(system, tolerance)
         loads = load_rates(tangent)
@@ -163,14 +172,15 @@ class Tangent:
     def __post_init__(self) -> None:
         import scipy.sparse as sp
 
-        system, forces = self.system, bears(self.system)[self.system.free_unknowns]
-        self.places = np.argsort(forces, kind="stable")
-        self.unknowns, m = system.free_unknowns[self.places], int(forces.sum())
+        system, free = self.system, self.system.free_unknowns
+        kept, forces = np.flatnonzero(~growing_unknowns(system)[free]), bears(system)[free]
+        self.places = kept[np.argsort(forces[kept], kind="stable")]
+        self.unknowns, m = free[self.places], int(forces.sum())
         self.A = self.of(load_step(system.time, 0.0))
         refuse_unsymmetric("buckling", system, self.A, self.unknowns)
         self.scale = equilibration(symmetric(self.A), system.scale[self.unknowns])
         S = sp.diags_array(self.scale)
-        soft = sp.diags_array(np.r_[np.zeros(len(forces) - m), np.full(m, COMPLIANCE)])
+        soft = sp.diags_array(np.r_[np.zeros(len(kept) - m), np.full(m, COMPLIANCE)])
         scaled = S @ symmetric(self.A) @ S - soft
         self._solve = factored(scaled, m, system, self.unknowns, "buckling", SOFT)
 
@@ -195,6 +205,7 @@ class Tangent:
 def balanced(system: System, tolerance: float) -> Tangent:
     """The tangent of the present equilibrium, in which what stands for forces gets its static values."""
     step, forces = load_step(system.time, 0.0), system.order == 0
+    refuse_growth("buckling", system, tolerance)
     for _ in range(2):  # reactions decide on the stiffness, too
         tangent = Tangent(system)
         d = -tangent.solve(system.residual(step))

@@ -23,6 +23,7 @@ from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError
 from visviva.component.component import refuse_changed
 from visviva.system.consistency import accelerations
+from visviva.system.growing import refuse_growth
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import undisturbed
 from visviva.system.scaling import typical
@@ -122,7 +123,9 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
 
     Contact counts as it is: gaps closed by multipliers are constraints, those of a penalty springs, open ones nothing.
     Friction that sticks holds along the surface, by constraints or by its tangential stiffness. Fibres that only pull
-    have the stiffness of one side where they are just slack.
+    have the stiffness of one side where they are just slack, and cracks whose `split` lets them press where they are
+    just closed. Damages of a `FracturingSolid` stay as they are: one that is about to grow does so in the first swing,
+    and rests in all others.
 
     Loads that follow may make modes grow: without vibrating (divergence) or while they do (flutter). What spins about
     a fixed axis is seen from a `RotatingFrame`.
@@ -184,6 +187,7 @@ def found_roots(linear: Linearized, n: int) -> tuple[NDArray[np.complex128], NDA
 
 def balance(system: System, at: Instant, tolerance: float) -> None:
     """Give the multipliers their static values, or refuse a configuration that is no equilibrium."""
+    refuse_growth("modes", system, tolerance)
     a, multipliers = accelerations(system, at, still=True)
     pull, carried = at.M @ a, at.G.T @ multipliers
     largest = float(np.abs(carried).max(initial=0.0) + np.abs(pull).max(initial=0.0))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.system.growing import growing_unknowns, resting_unknowns
 from visviva.system.instant import REDUNDANT, Instant, instant
 from visviva.system.local import condensed
 from visviva.system.scaling import asymmetry
@@ -28,6 +29,8 @@ STIFF = 1e-12
 @dataclass
 class Linearized:
     """The equations ``K u + B^T p = omega^2 M u``, ``B u + D p = 0`` of coordinates u and forces p.
+
+    Damages and what else never shrinks are constant, see `growing_unknowns`.
 
     Attributes
     ----------
@@ -58,7 +61,7 @@ def linearized(at: Instant, step: Any = None) -> Linearized:
     system, q = at.system, at._q
     A = system.tangent(instant(system.time, theta=1.0) if step is None else step)[1]
     element, forces = system.local[system.free_unknowns], bears(system)[system.free_unknowns]
-    rest = np.setdiff1d(np.arange(A.shape[0]), q)
+    rest = np.setdiff1d(np.flatnonzero(~growing_unknowns(system)[system.free_unknowns]), q)
     p = rest[element[rest] < 0]
     p = p[np.argsort(forces[p], kind="stable")]
     A = condensed(A, element)
@@ -118,6 +121,24 @@ def refuse_unfit(whose: str, system: System) -> None:
     for component in system.components:
         if reason := component.unfit_for_modes():
             raise InputError(f"{whose}: {component.label}: {reason}")
+
+
+def refuse_softening(whose: str, system: System) -> None:
+    """Refuse damages that grow with the loads, as stiffness then falls, or that follow a history field."""
+    rests = resting_unknowns(system)
+    for growing in system.model.growing:
+        f = growing.field
+        if not growing.held:
+            raise InputError(
+                f"{whose}: {f.name} of {f.component.label} follows a history field, whose forces have no potential; "
+                "take irreversibility='active set'"
+            )
+        if moves := int(np.sum(~rests[f.unknowns] & ~f.fixed)):
+            raise InputError(
+                f"{whose}: {f.name} of {f.component.label} grows with the loads, at {moves} nodes, and softens it: "
+                f"call {whose} before it does, or follow the loads by vv.quasi_static, which tells where the structure "
+                "becomes unstable"
+            )
 
 
 def refuse_lossy(whose: str, linear: Linearized) -> None:

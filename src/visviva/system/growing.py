@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import RunError
+from visviva.base.errors import InputError, RunError
 from visviva.base.world import announce
 from visviva.system.algebraic import equations
 from visviva.system.instant import instant
@@ -39,6 +39,8 @@ MOVED = 1e-9
 """Part of its size from which on a move is told."""
 LITTLE = 1e-12
 """Part of the largest forces that presses nothing: signs of rounding would let it move and rest by turns."""
+BALANCED = 1e-2
+"""Growth, in sizes of the unknown, up to which damages are in balance: what goes to and fro finds them no better."""
 NEAR, LEAST, HALVES = 1e-6, 1e-4, 40
 """What is so near to its limit, and pressed to it, goes there; energy falls by this part at least of what its slope
 says, or steps are halved, so often."""
@@ -128,6 +130,41 @@ def _refuse(system: System, step: Any, unknown: int, dx: Array, how: str) -> Non
 def _fail(system: System, step: Any, reason: str, unknown: int) -> NoReturn:
     with Trial(system):
         raise StepFailure(system, system.time, step.h, GivenUp(reason, unknown))
+
+
+def growing_unknowns(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) that never shrink: in small vibrations about an equilibrium they are constant.
+
+    What is below its limit rests. What is at it grows in the first swing alone, to where no later one gets.
+    """
+    return _among(system, [u for growing in system.model.growing for u in growing.field.unknowns])
+
+
+def resting_unknowns(system: System) -> NDArray[np.bool_]:
+    """Unknowns (n,) that rest at the trial state, as they would shrink or are below their limit."""
+    return _among(system, system.core.resting)
+
+
+def _among(system: System, unknowns: list[int]) -> NDArray[np.bool_]:
+    found = np.zeros(len(system.x), dtype=bool)
+    found[np.array(unknowns, dtype=np.int64)] = True
+    return found
+
+
+def refuse_growth(whose: str, system: System, tolerance: float) -> None:
+    """Refuse a state in which something would grow at once, by more than a tolerance: it is no equilibrium."""
+    for growing in system.model.growing:
+        f = growing.field
+        r, K, at = equations(system, np.asarray(f.unknowns))
+        try:
+            most = float(change_to_balance(K, r, np.zeros(len(at)), ROUGH).max(initial=0.0))
+        except Lost as reason:
+            raise InputError(f"{whose}: {f.name} of {f.component.label}: {reason}") from None
+        if most > max(BALANCED, tolerance):
+            raise InputError(
+                f"{whose}: the present configuration is no equilibrium: {f.name} of {f.component.label} would grow by "
+                f"{most:.3g}; call vv.quasi_static or vv.equilibrium first"
+            )
 
 
 def _held(system: System) -> list[Field]:

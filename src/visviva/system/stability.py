@@ -2,7 +2,8 @@
 
 The tangent ``[[K, G^T], [G, 0]]`` of n coordinates and m independent constraints has m negative eigenvalues, and one
 more for each direction that the constraints leave free in which energy falls (Sylvester's law of inertia). A direct
-solver's factors tell their number; where they do not, small systems are factored once more as ``L D L^T``.
+solver's factors tell their number; where they do not, small systems are factored once more as ``L D L^T``. Damages
+that rest are left out; those that grow count as if they could shrink, too: what is stable then is so all the more.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from visviva.body.formulation import SUITED
 from visviva.body.solid import Solid
+from visviva.system.growing import resting_unknowns
 from visviva.system.local import condensed
 from visviva.system.scaling import asymmetry, equilibration
 from visviva.system.shared import n_equations
@@ -107,7 +109,8 @@ def count_falling(system: System, step: Any) -> int | None:
     r, K = system.tangent(step)
     if not is_symmetric(system, K):
         return None
-    free = system.free_unknowns
+    moving = ~resting_unknowns(system)[system.free_unknowns]
+    free, K = system.free_unknowns[moving], K[moving][:, moving]
     K = resisting(K, system.scale[free], r[free])
     element = system.local[free]  # these are as stiff or soft as their element makes them
     left = np.flatnonzero(element < 0)
