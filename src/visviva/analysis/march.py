@@ -13,20 +13,21 @@ from numpy.typing import NDArray
 from visviva.analysis.adaptive import Adaptive, adaptive_steps
 from visviva.base.arguments import number, positive, refuse_other, whole
 from visviva.base.errors import InputError
+from visviva.base.world import announce
 from visviva.component.component import refuse_changed
 from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import ledger_units
 from visviva.results.recorded import Record, Recorded
 from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
-from visviva.system.algebraic import settle
 from visviva.system.freedom import refuse_free, refuse_massless, refuse_swinging
 from visviva.system.growing import bring_into_balance
 from visviva.system.mean_rates import moved_by_means
 from visviva.system.memory import undisturbed
 from visviva.system.newton import StepFailure
+from visviva.system.steep_heat import first_halvings
 from visviva.system.system import System, refuse_no_system
-from visviva.system.tied_heat import begin_with_mean_rates, even_out
+from visviva.system.tied_heat import begin_consistently
 from visviva.system.turn import by_one_thread
 
 Array = NDArray[np.float64]
@@ -92,13 +93,15 @@ def march(
         from visviva.system.consistency import initial_acceleration
 
         initial_acceleration(system, scheme, step)
-        begin_with_mean_rates(system, step)
     if own is not None:
         yield from own
-    elif adaptive is not None:
-        yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive)
+        return
+    n = first_halvings(system, scheme, step) if system.is_given else 0
+    if adaptive is not None:
+        first = math.ldexp(step, -n)
+        yield from adaptive_steps(system, until=until, step=first, scheme=scheme, rule=adaptive)
     else:
-        yield from counted_steps(system, until=until, step=step, scheme=scheme)
+        yield from counted_steps(system, until=until, step=step, scheme=scheme, halved=n)
 
 
 def know(system: System, step: float) -> None:
@@ -120,19 +123,23 @@ def checked_times(until: Any, step: Any, now: float = 0.0) -> tuple[float, float
     return until, step
 
 
-def counted_steps(system: System, *, until: float, step: float, scheme: Scheme) -> Iterator[Any]:
-    """Steps of equal length, halved after failures; yields reports."""
+def counted_steps(
+    system: System, *, until: float, step: float, scheme: Scheme, halved: int = 0
+) -> Iterator[Any]:
+    """Steps of equal length, the first of them `halved` so often, and after failures; yields reports."""
     clock = system.clock
     clock.use(step)
     clock.refuse_short(until, step, system.stepper.is_given)
+    clock.begin_short(halved)
     while not clock.has_reached(until):
-        system.core.allow_last_resort(clock.halvings >= LAST_RESORT)
+        halved = min(halved, clock.halvings)
+        system.core.allow_last_resort(clock.halvings >= halved + LAST_RESORT)
         h = clock.next(until)
         try:
             report = system.step(h, scheme)
         except StepFailure:
             system.stepper.rejected += 1
-            if clock.halvings >= HALVINGS:
+            if clock.halvings >= halved + HALVINGS:
                 clock.restart(clock.time)
                 raise
             clock.halve(h)
@@ -172,8 +179,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
 
         system.report = fit(system, project=project, moving=scheme.has_inertia)
     if system.is_given and scheme.has_inertia:
-        settle(system)
-        _even_out(system, scheme)
+        begin_consistently(system)
         bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
@@ -182,15 +188,18 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     for component in system.components:
         component.start(system, scheme)
     if system.is_given and not scheme.has_inertia:  # begins elsewhere where components say so
-        settle(system)
-        _even_out(system, scheme)
+        begin_consistently(system)
+    _tell_moves(system)
     system.stepper.is_edited = False
 
 
-def _even_out(system: System, scheme: Scheme) -> None:
-    """Where heat flows in time, begin without jumps of temperatures that are tied."""
-    if any(np.any(row) for row in scheme.transport(1.0)) and even_out(system):
-        settle(system)
+def _tell_moves(system: System) -> None:
+    """Tell once what was moved to begin consistently."""
+    moves, system.stepper.moves = system.stepper.moves, []
+    if moves:
+        announce(f"initial state made consistent: {'; '.join(moves)}")
+    if system.report is not None:
+        system.report.moves.extend(moves)
 
 
 def still_fits(system: System) -> bool:

@@ -10,6 +10,8 @@ from visviva.base.errors import InputError
 SLIVER = 0.01
 """Part of a step that no step falls short of: velocities are increments by the length, and rounding of positions
 would fill them."""
+GRADED = 8
+"""So many steps since the start there are at least before those with which a run begins lengthen."""
 ROUNDING = 1e-9
 """Part of a step that two times may differ by and still be the same."""
 
@@ -30,6 +32,8 @@ class Clock:
         How often it is halved at present.
     count : int
         Steps of the present length since the start.
+    begins : bool
+        Whether these are short steps with which a run begins, and which lengthen as time goes on.
 
     Examples
     --------
@@ -44,6 +48,7 @@ class Clock:
     step: float = 0.0
     halvings: int = 0
     count: int = 0
+    begins: bool = False
 
     @property
     def length(self) -> float:
@@ -56,7 +61,7 @@ class Clock:
 
     def restart(self, time: float) -> None:
         """Begin a new count of whole steps at a time."""
-        self.start, self.halvings, self.count = time, 0, 0
+        self.start, self.halvings, self.count, self.begins = time, 0, 0, False
 
     def use(self, step: float) -> None:
         """Count whole steps of this length from now on, if it is another one."""
@@ -79,10 +84,19 @@ class Clock:
             self.step = failed
         self.halvings, self.count = self.halvings + 1, 2 * self.count
 
+    def begin_short(self, halvings: int) -> None:
+        """Begin with steps that are halved so often, and are parts of the time since while they lengthen."""
+        for _ in range(halvings):
+            self.halve(self.length)
+        self.begins = halvings > 0
+
     def lengthen(self) -> None:
         """Twice the length again where a step of that length begins, so that the whole steps' times are met again."""
+        if self.begins and self.count < GRADED:
+            return
         if self.halvings and self.count % 2 == 0:
             self.halvings, self.count = self.halvings - 1, self.count // 2
+        self.begins = self.begins and self.halvings > 0
 
     def next(self, until: float) -> float:
         """Length of the next step on the way to `until`: the last one is stretched if it left a sliver."""

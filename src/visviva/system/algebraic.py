@@ -6,7 +6,7 @@ schemes that start from rates would start from wrong ones, and be of first order
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ def _bring_into_balance(system: System, fields: list[Field]) -> None:
     of: dict[str, list[Field]] = {}
     for f in fields:
         of.setdefault(f.component.label, []).append(f)
-    lost = _solve(system, [_unknowns(own) for own in of.values()])
+    lost = solve_groups(system, [_unknowns(own) for own in of.values()])
     for name, own in (list(of.items())[k] for k in lost):
         told = f"no balance is found of {' and '.join(f.name for f in own)} of {name}, which start as given"
         if system.report is None or told not in system.report.moves:
@@ -122,23 +122,25 @@ def balance(system: System, unknowns: Ints) -> None:
     if not own.any():
         return
     held = system.is_lasting_constraint[free] & (abs(A) @ own.astype(float) > 0)
-    _solve(system, [free[own | held]])
+    solve_groups(system, [free[own | held]])
 
 
-def _solve(system: System, groups: list[Ints]) -> list[int]:
+def solve_groups(system: System, groups: list[Ints], step: Any = None) -> list[int]:
     """Solve the equations of groups of unknowns, which do not see each other, for them by Newton's method.
 
-    What is not found stays as it is: the numbers of those groups.
+    They are those of this instant, or of a step, in which all else rests; then the core's ``dx`` is what changes. What
+    is not found stays as it is: the numbers of those groups.
     """
-    start, left, last = system.x.copy(), list(range(len(groups))), [np.inf] * len(groups)
+    values = system.x if step is None else system.core.dx
+    start, left, last = values.copy(), list(range(len(groups))), [np.inf] * len(groups)
     lost: list[int] = []
     for _ in range(MOST):
         if not left:
             break
-        r, K, at = equations(system, np.concatenate([groups[k] for k in left]))
+        r, K, at = equations(system, np.concatenate([groups[k] for k in left]), step)
         for k in list(left):
             own = np.flatnonzero(np.isin(at, groups[k]))
-            size = _improve(system, K[own][:, own], r[own], at[own])
+            size = _improve(system, values, K[own][:, own], r[own], at[own])
             if not np.isfinite(size):
                 lost.append(k)
             if not np.isfinite(size) or size <= ROUNDING or 0.5 * last[k] <= size <= ROUGH:
@@ -146,32 +148,44 @@ def _solve(system: System, groups: list[Ints]) -> list[int]:
             last[k] = size
     lost += left
     for k in lost:
-        system.x[groups[k]] = start[groups[k]]
+        values[groups[k]] = start[groups[k]]
     return lost
 
 
-def _improve(system: System, K: sp.csr_array, r: Array, at: Ints) -> float:
+def _improve(system: System, values: Array, K: sp.csr_array, r: Array, at: Ints) -> float:
     """Take an iteration of Newton's method; its largest relative change of what has a scale, or of all if none has."""
+    import scipy.sparse as sp
     from scipy.sparse.linalg import splu
 
     if not len(at):  # all are given, as free strains are
         return 0.0
+    rows = _sizes(abs(K).max(axis=1))
+    K = sp.diags_array(1 / rows) @ K
+    columns = _sizes(abs(K).max(axis=0))
     try:
-        change = splu(K.tocsc()).solve(r)
+        change = splu((K @ sp.diags_array(1 / columns)).tocsc()).solve(r / rows) / columns
     except RuntimeError:  # singular
         return np.inf
     if not np.isfinite(change).all():
         return np.inf
-    system.x[at] -= change
     scale = system.scale[at]
     seen = scale > 0 if scale.any() else np.ones(len(at), dtype=bool)
-    size = np.maximum(np.where(seen & (scale > 0), scale, 1.0), np.abs(system.x[at][seen]).max())
-    return float((np.abs(change) / size)[seen].max())
+    sizes = np.maximum(np.where(seen & (scale > 0), scale, 1.0), np.abs(system.x[at] - change)[seen].max())
+    size = float((np.abs(change) / sizes)[seen].max())
+    if size > 0.01 * ROUNDING:  # what is in balance stays to the bit
+        values[at] -= change
+    return size
 
 
-def equations(system: System, unknowns: Ints, time: float | None = None) -> tuple[Array, sp.csr_array, Ints]:
-    """Residual and tangent of these unknowns alone at an instant, by default now, without rates, and the free ones."""
-    r, K = system.tangent(instant(system.time if time is None else time, theta=1.0))
+def _sizes(largest: Any) -> Array:
+    """Largest entries (n,) of rows or columns, 1 where there are none."""
+    found = np.asarray(largest.toarray()).ravel()
+    return np.where(found > 0, found, 1.0)
+
+
+def equations(system: System, unknowns: Ints, step: Any = None) -> tuple[Array, sp.csr_array, Ints]:
+    """Residual and tangent of these unknowns alone in a step, by default now, without rates, and the free ones."""
+    r, K = system.tangent(instant(system.time, theta=1.0) if step is None else step)
     own = np.isin(system.free_unknowns, unknowns)
     at = system.free_unknowns[own]
     return r[at], K[own][:, own], at

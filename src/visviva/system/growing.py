@@ -89,7 +89,7 @@ def refuse_imbalance(system: System, step: Any) -> None:
         if _is_near_balance(system, step, unknowns):
             return
         system.core.dx[:] = dx
-        r, K, at = equations(system, unknowns, step.t1)
+        r, K, at = equations(system, unknowns, instant(step.t1, theta=1.0))
     try:
         change = change_to_balance(K, r, dx[at], ROUGH) * system.inverse_scale[at]
     except Lost as reason:

@@ -46,6 +46,8 @@ class Stepper:
         Of the equilibria that statics has found.
     means : array of int
         Unknowns of motion whose rates are means over the last step, as the scheme of the run has it.
+    moves : list of str
+        What was moved to begin consistently, in words, and is not told yet.
     pace : dict of str to Record
         What those who choose the steps carry on, by the names of their records.
     """
@@ -60,6 +62,7 @@ class Stepper:
     told_forces: Array | None = None
     stability: Stability = field(default_factory=Stability)
     means: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    moves: list[str] = field(default_factory=list)
     pace: dict[str, Record] = field(default_factory=dict)
     _tables: tuple[Scheme, float, Any] | None = None  # of the last step; equal steps share them
 
@@ -112,10 +115,10 @@ class Stepper:
         self.rejected, self.has_acceleration = int(values["rejected"]), bool(values["has_acceleration"])
         for part, name in ((self.clock, "clock"), (self.stability, "stability")):
             for known in fields(part):
-                setattr(part, known.name, values[f"{name}.{known.name}"])
+                setattr(part, known.name, values.get(f"{name}.{known.name}", known.default))
         self.solves_means, self.is_given = bool(values["solves_means"]), False
 
     def copy(self) -> Stepper:
         """A copy that does not change with this one."""
         clock, stability = replace(self.clock), replace(self.stability)
-        return replace(self, clock=clock, stability=stability, pace=dict(self.pace))
+        return replace(self, clock=clock, stability=stability, moves=list(self.moves), pace=dict(self.pace))

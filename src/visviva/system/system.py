@@ -40,6 +40,7 @@ from visviva.system.problem import hand_solvers
 from visviva.system.shared import whole_rows
 from visviva.system.stepper import Stepper
 from visviva.system.steps import Attempt
+from visviva.system.tied_heat import begin_consistently
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -108,8 +109,7 @@ class System(metaclass=Named):
         self.report: CheckReport | None = None  # of the check before the first step
         self._pattern: tuple[int, Pattern] | None = None
         with claimed(self, self.components):
-            length = characteristic_length(self.components)
-            lengths = lengths_of_parts(self.components, length)
+            lengths = lengths_of_parts(self.components, length := characteristic_length(self.components))
             self.model = Model(self.components, length=length, lengths=lengths, _composition=self.composition)
             for c in self.components:
                 c.announce(self.model)
@@ -129,6 +129,7 @@ class System(metaclass=Named):
         self.core.x[:] = np.concatenate([f.values for f in fields])
         self.core.v[:] = np.concatenate([f.rates for f in fields])
         check_finite(self)
+        begin_consistently(self)
 
     def __getitem__(self, name: str) -> Any:
         """A component by its name.

@@ -124,8 +124,7 @@ class HeatCarrier(Limited):
         return found or super().invalid(x)
 
     def _below_zero(self, x: Array) -> str:
-        own: Field = self.algorithmic  # type: ignore[attr-defined]
-        profiles = self.profiles()
+        own, profiles = self.warmth[1], self.profiles()
         T = (x[own.start : own.start + own.size].reshape(-1, profiles.shape[1]) @ profiles.T).min(axis=1)
         k = int(np.argmin(T))
         if T[k] > 0:
@@ -137,7 +136,12 @@ class HeatCarrier(Limited):
 
     def profiles(self) -> Array:
         """What each unknown (modes,) of the temperature of a node counts for at places (k, modes) across there."""
-        return np.eye(1, self.algorithmic.node)  # type: ignore[attr-defined]
+        return np.eye(1, self.warmth[1].node)
+
+    @property
+    def warmth(self) -> tuple[Field, Field]:
+        """What is balanced, and the temperatures."""
+        return self.entropy, self.algorithmic  # type: ignore[attr-defined]
 
     @property
     @abstractmethod

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visviva.model.term import Stencils, Term
 from visviva.thermal.carrier import HeatCarrier
-
-if TYPE_CHECKING:
-    import scipy.sparse as sp
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -74,19 +71,6 @@ class Side:
         """At which heat passes (m, k), and their derivative by the end of the step."""
         x, rise = (s.x1, 1.0) if self.is_entropy or at_end else (s.x, s.step.theta)
         return np.einsum("i,mik->mk", self.modes, x[:, self.warmth]), rise
-
-    def values(self, there: NDArray[np.bool_], n: int) -> tuple[sp.csr_array, sp.csr_array]:
-        """Of balances and of temperatures among `n` unknowns, what they are at nodes that are `there` (m, k)."""
-        import scipy.sparse as sp
-
-        each = np.repeat(np.arange(np.count_nonzero(there)), len(self.modes))
-        shape, share = (len(each) // len(self.modes), n), np.tile(self.modes, len(each) // len(self.modes))
-        own = [
-            self.unknowns[:, of - self.columns[0]].transpose(0, 2, 1)[there].ravel()
-            for of in (self.balances, self.warmth)
-        ]
-        balances, warmth = (sp.csr_array((share, (each, of)), shape=shape) for of in own)
-        return balances, warmth
 
     def give(self, found: Array, amount: Array) -> None:
         """Add an amount (m, k) at the nodes to the residual of their balances."""
@@ -197,7 +181,7 @@ class HeatBond(Term):
         super().__init__()
         first = Side.of(bodies[0], np.maximum(nodes[0], 0), modes[0], 1)
         second = Side.of(bodies[1], np.maximum(nodes[1], 0), modes[1], 1 + len(first.columns))
-        self.sides, self.weights = (first, second), weights
+        self.bodies, self.sides, self.weights = tuple(bodies), (first, second), weights
         self.produces = all(side.is_entropy for side in self.sides)
         parts = [multipliers[:, None]]
         for side, of in zip(self.sides, nodes, strict=True):
@@ -208,32 +192,38 @@ class HeatBond(Term):
         self.unknowns = np.ascontiguousarray(np.hstack(parts), dtype=np.int32)
         self.order = np.concatenate([np.zeros(1, dtype=np.int32), first.order, second.order])
         self.there = [of >= 0 for of in nodes]
-        self.carries_heat = [
+        self._divided = [
             side.is_entropy and not (first.is_entropy and second.is_entropy) for side in self.sides
-        ]
+        ]  # where what flows is heat, and entropy is balanced
+        self._missed = np.zeros(len(multipliers))
         self.at_end = not (first.is_entropy or second.is_entropy)
 
-    def places(self, n: int) -> list[tuple[sp.csr_array, sp.csr_array, sp.csr_array, bool]]:
-        """Of both sides, node by node of all rows (k,): the weights (m, k); what balances and temperatures among `n`
-        unknowns are there (k, n); and whether entropy is balanced.
-        """
-        import scipy.sparse as sp
+    def jump(self, x: Array) -> tuple[Array, Array]:
+        """What rows (m,) miss their constraints by at all unknowns of the system, and the size of its parts."""
+        parts = [
+            w * np.einsum("i,mik->mk", side.modes, x[self.unknowns[:, side.warmth]])
+            for side, w in zip(self.sides, self.weights, strict=True)
+        ]
+        return sum(p.sum(axis=1) for p in parts), sum(np.abs(p).sum(axis=1) for p in parts)
 
-        found = []
-        for side, w, there in zip(self.sides, self.weights, self.there, strict=True):
-            row = np.nonzero(there)[0]
-            weights = sp.csr_array((w[there], (row, np.arange(len(row)))), shape=(len(w), len(row)))
-            found.append((weights, *side.values(there, n), side.is_entropy))
-        return found
+    @contextmanager
+    def closing(self, part: float, x: Array) -> Iterator[None]:
+        """Inside, steps of midpoint rules from the state `x` close a part of what constraints miss there, by heat."""
+        jump, before = self.jump(x)[0], self._divided
+        self._missed = (1 - part) * jump if self.at_end else (1 - 0.5 * part) * jump
+        self._divided = [side.is_entropy for side in self.sides]
+        try:
+            yield
+        finally:
+            self._divided, self._missed = before, np.zeros(len(jump))
 
     def _temperatures(self, s: Stencils) -> list[tuple[Array, float]]:
         return [side.temperatures(s, self.at_end) for side in self.sides]
 
     def residual(self, s: Stencils) -> Array:
         found = np.zeros_like(s.x1)
-        data = zip(
-            self.sides, self.weights, self._temperatures(s), self.carries_heat, self.there, strict=True
-        )
+        found[:, 0] = -self._missed
+        data = zip(self.sides, self.weights, self._temperatures(s), self._divided, self.there, strict=True)
         for side, w, (T, _), divided, there in data:
             found[:, 0] += np.sum(w * T, axis=1)
             amount = w * s.x1[:, :1]
@@ -242,9 +232,7 @@ class HeatBond(Term):
 
     def tangent(self, s: Stencils) -> Array:
         K = np.zeros((*s.x1.shape, s.x1.shape[1]))
-        data = zip(
-            self.sides, self.weights, self._temperatures(s), self.carries_heat, self.there, strict=True
-        )
+        data = zip(self.sides, self.weights, self._temperatures(s), self._divided, self.there, strict=True)
         for side, w, (T, rise), divided, there in data:
             by = np.where(there, T, 1.0)
             side.give(K[:, :, 0], w / by if divided else w)

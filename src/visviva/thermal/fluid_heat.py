@@ -17,7 +17,7 @@ from visviva.flow.conditions import Condition
 from visviva.flow.fluid import Fluid
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
-from visviva.model.field import Role
+from visviva.model.field import Field, Role
 from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
 from visviva.thermal.lift import StabilisedLift
@@ -148,6 +148,10 @@ class FluidHeat(HeatCarrier):
         self.heat = model.field(self, "temperature", start, role=Role.CONTENT, scale=scale)
         self.fluid.carried["temperature"] = self.temperatures
         self._sources: list[list[Source]] = [[] for _ in self.fluid.batches]
+
+    @property
+    def warmth(self) -> tuple[Field, Field]:
+        return self.heat, self.heat
 
     def temperature_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """The unknown of each node."""

@@ -56,7 +56,7 @@ class HeatTie(Component):
     the one temperature of both: neither energy nor entropy arises, however the tie moves. A conductance produces the
     entropy ``q (1 / T2 - 1 / T1)``, never a negative one. Bodies are held together by `Tie`. Nodes of the first
     surface whose temperature is prescribed have no multiplier. Without a conductance temperatures that jump across it
-    at the start are evened out before the first step, by heat. See :doc:`/theory/heat`.
+    are evened out as a system is composed, by heat. See :doc:`/theory/heat`.
 
     Examples
     --------

@@ -23,7 +23,7 @@ from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
-from visviva.model.field import Role
+from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points, open_accounts
 from visviva.model.term import Stencils, Term
 from visviva.thermal.capacity import capacity_of
@@ -174,6 +174,10 @@ class ThermalBody(Meshed, HeatCarrier):
         T = self.start_temperatures
         scale = float(np.ptp(T)) or float(np.abs(T).max()) or 1.0
         self.heat = model.field(self, "temperature", T, role=Role.CONTENT, scale=scale)
+
+    @property
+    def warmth(self) -> tuple[Field, Field]:
+        return self.heat, self.heat
 
     def temperature_unknowns(self, nodes: Any) -> NDArray[np.int32]:
         """The unknown of each node."""
