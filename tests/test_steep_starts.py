@@ -86,3 +86,21 @@ def test_what_no_steps_follow_is_refused() -> None:
             vv.InputError, match=r"ThermalShell .* even out within .* as fast as a step of 0\.01"
         ):
             vv.simulate(held(plate(1e9)), until=0.1, step=0.01, scheme=scheme)
+
+
+def test_shells_whose_entropies_are_not_found_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("visviva.thermal.thermal_shell.ROUNDS", 0)
+    with pytest.raises(vv.InputError, match=r"ThermalShell .* no entropies are found .* from 2.* to 3"):
+        held(plate(1.0))
+
+
+def test_temperatures_that_contradict_each_other_later_are_refused() -> None:
+    """They were looked at where a run begins alone."""
+    shell = plate(1.0, mean=300.0, apart=0.0)
+    first, second = (
+        vv.PrescribedTemperature(body=shell, nodes=nodes, value=value, name=name)
+        for nodes, value, name in (("x0", "300 + t", "warm"), ("y0", 300.0, "even"))
+    )
+    system = vv.System([shell, first, second, vv.Fixed(solid=shell, nodes="all")])
+    with pytest.raises(vv.RunError, match=r"'(warm|even)' and .*'(warm|even)' hold node .* at t = 0\.1"):
+        vv.simulate(system, until=0.1, step=0.1)

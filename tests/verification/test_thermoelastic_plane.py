@@ -368,6 +368,24 @@ def test_a_sheet_that_starts_warm_has_its_temperature_and_expands_freely() -> No
     np.testing.assert_allclose(fields.F[0, 0, 0, 0], exact, atol=1e-8)
 
 
+@pytest.mark.parametrize("expansion", [1e-5, 1e-3, 9e-3])
+def test_sheets_start_with_the_temperatures_given(expansion: float) -> None:
+    """Strongly coupled ones, too: by 1.8e-3 K off at a coupling of 111, which is told of by its number."""
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, expansion=expansion, reference=300.0)
+    for T in (285.0, 300.0, 315.0):
+        plate = sheet(vv.NeoHooke(young=1e3, poisson=0.3), heat, temperature=T)
+        system = vv.System([plate, vv.Fixed(solid=plate, nodes="all")])
+        assert plate.temperatures(system.x) == pytest.approx(T, rel=1e-12)
+        assert np.abs(plate.fields(system.x).second_piola[..., 2, 2]).max() < 1e-9 * 1e3
+
+
+def test_sheets_without_a_thickness_are_refused_by_name() -> None:
+    """Expansion of a thousand beside absolute temperatures: no neo-Hookean is as thin as that."""
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, expansion=5.0, reference=300.0)
+    with pytest.raises(vv.InputError, match="ThermoelasticSolid .* no thickness is found"):
+        vv.System([sheet(vv.NeoHooke(young=1e3, poisson=0.3), heat, temperature=100.0)])
+
+
 def test_a_clamped_sheet_that_is_heated() -> None:
     """-E alpha dT along, nothing across, where it grows by (1 + nu) alpha dT in the plane and out of it."""
     plate, rise = sheet(HOOKE, STEEL, temperature=ROOM, thickness=0.01), 0.1

@@ -157,24 +157,36 @@ class PrescribedTemperature(Component):
     def announce(self, model: Model) -> None:
         model.announce(self.body, self)
 
-    def _refuse_contradictions(self, other: PrescribedTemperature) -> None:
+    def _refuse_contradictions(self, other: PrescribedTemperature, time: float) -> None:
         shared, own, its = np.intersect1d(self.chosen, other.chosen, return_indices=True)
-        values = self._temperatures(0.0)[own], other._temperatures(0.0)[its]
+        values = self._temperatures(time)[own], other._temperatures(time)[its]
         apart = np.flatnonzero(np.abs(values[0] - values[1]) > 1e-9 * np.abs(values[0]))
         if len(apart):
             k = apart[0]
-            raise InputError(
+            raise RunError(
                 f"{self.label} and {other.label} hold node {shared[k]} of {self.body.label} at {values[0][k]:g} and at "
-                f"{values[1][k]:g}; leave it out of one of them"
+                f"{values[1][k]:g} at t = {time:g}; leave it out of one of them"
             )
 
     def contribute(self, model: Model) -> None:
         model.index(self.body)
-        for other in model.announced(self.body, PrescribedTemperature):
-            if other is not self and self.body.balances_entropy:  # heat has one holder of an unknown anyway
-                self._refuse_contradictions(other)
-        given = GivenTemperatures(self.chosen, self._temperatures, self._rates, self._values.kinks)
-        self.body.hold_temperatures(model, self, given)
+        others = [p for p in model.announced(self.body, PrescribedTemperature) if p is not self]
+
+        def values(time: float) -> Array:
+            for other in others:
+                self._refuse_contradictions(other, time)
+            return self._temperatures(time)
+
+        if others and self.body.balances_entropy:  # heat has one holder of an unknown anyway
+            try:
+                values(0.0)
+            except RunError as error:
+                raise InputError(str(error)) from None
+        else:
+            values = self._temperatures
+        self.body.hold_temperatures(
+            model, self, GivenTemperatures(self.chosen, values, self._rates, self._values.kinks)
+        )
 
 
 class ThroughPoints(Component):

@@ -184,8 +184,11 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
                 + np.linalg.solve(np.einsum("ak,bk,nk->nab", weighted, shapes, slope), off[..., None])[..., 0]
             )
             if np.abs(off @ gram).max() < 1e-13 * np.abs(given).max():
-                break
-        return np.asarray(s)
+                return np.asarray(s)
+        raise InputError(
+            f"{self.label}: no entropies are found with the temperatures given, from {given.min():.6g} to "
+            f"{given.max():.6g}: let them differ less through the thickness, or give a capacity without a hump there"
+        )
 
     def _modes(self, nodes: Ints, first: int) -> Ints:
         """Unknowns (m, modes k) of the means of nodes, then of the halves of differences and so on."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError
 from visviva.body import formulation as forms
 from visviva.body.element import Geometry, solid_rule
 from visviva.body.mesh_points import Points
@@ -228,7 +228,10 @@ class ThermoelasticSolid(Solid, HeatCarrier):
     def _resting_entropy(self, T: Array) -> Array:
         """Entropies (k,) of temperatures (k,) without strain."""
         if self.plane == "stress":
-            return resting_entropy(self.heat, self.body_material, T)
+            try:
+                return resting_entropy(self.heat, self.body_material, T)
+            except RunError as error:
+                raise InputError(f"{self.label}: {error}") from None
         return self.heat.start_entropy(T)
 
     def _pull(self, C: Array, s: Array) -> Array:
