@@ -382,7 +382,7 @@ def test_sheets_start_with_the_temperatures_given(expansion: float) -> None:
 def test_sheets_without_a_thickness_are_refused_by_name() -> None:
     """Expansion of a thousand beside absolute temperatures: no neo-Hookean is as thin as that."""
     heat = vv.Heat(conductivity=1.0, capacity=1.0, expansion=5.0, reference=300.0)
-    with pytest.raises(vv.InputError, match="ThermoelasticSolid .* no thickness is found"):
+    with pytest.raises(vv.InputError, match=r"ThermoelasticSolid .* no thickness is found"):
         vv.System([sheet(vv.NeoHooke(young=1e3, poisson=0.3), heat, temperature=100.0)])
 
 
