@@ -1,4 +1,4 @@
-"""A step of a mixture in space: GMRES with multigrid for the complement of the potentials, beside factors.
+"""A step of a mixture in space: GMRES with contents beside their potentials, and factors.
 
 python benchmarks/mixture_step.py [--counts 16 32 64] [--factors] [--step 0.2] [--steps 3]
 

@@ -334,9 +334,9 @@ class Iterative(LinearOptions):
         pressures exactly, for contact; "augmented": multigrid beside pressures of contact, in statics; "commutator":
         flows, block triangular with incomplete factors of the velocities and the least-squares commutator of the
         pressures (SIMPLE where elements are stabilised), which from a few thousand pressures on is solved by a cycle of
-        multigrid, if PyAMG is there, else by factors; "mixture": contents with their potentials, block
-        triangular with multigrid; "incomplete": block ILU(0); "multigrid": smoothed aggregation (``pip install
-        visviva[amg]``), best for statics. "auto" takes multigrid where it can, else blocks.
+        multigrid, if PyAMG is there, else by factors; "mixture": contents with their potentials, by a
+        polynomial, in long steps by multigrid; "incomplete": block ILU(0); "multigrid": smoothed aggregation (``pip
+        install visviva[amg]``), best for statics. "auto" takes multigrid where it can, else blocks.
     tolerance : float
         Of the residual, relative to the right-hand side; a tenth of the contraction of a kept tangent, if that is more.
     max_iterations, restart : int
@@ -404,7 +404,7 @@ class Automatic(LinearOptions):
 
     Large three-dimensional positive definite problems, heat too, are solved by conjugate gradients with multigrid and,
     should that fail, by factors, large flows in space by GMRES with the commutator of the pressures, large mixtures in
-    space by GMRES with multigrid for the complement of the potentials; everything else by factors. Time steps of large
+    space by GMRES with contents beside their potentials; everything else by factors. Time steps of large
     solids in contact whose iterative solver fails are cut in halves, three times, before factors are made. In time
     steps, conjugate gradients with the diagonal alone come first: where steps are short they need a few iterations
     only. They do so too under discrete gradients, the tangents of which are not quite symmetric: what is not is small
