@@ -156,8 +156,8 @@ def test_stress_drives_diffusion() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"eigenstrain": -20.0, "concentration": 0.6}, "leave no length or no stiffness"),
-        ({"moduli": (-20.0,), "concentration": 0.6}, "leave no length or no stiffness"),
+        ({"eigenstrain": -20.0, "concentration": 0.6}, "a concentration of 0.6 leaves lengths of -1 times"),
+        ({"moduli": (-20.0,), "concentration": 0.6}, "a concentration of 0.6 leaves a stiffness of -1 times"),
         ({"moduli": (1.0, 1.0, 1.0, 1.0)}, "moduli has 4 coefficients, 3 are known"),
         ({"plane": "stress"}, "plane = 'stress'"),
         ({"free_energy": vv.UserFreeEnergy(function=lambda c: c * c)}, "needs a free energy of the core"),
@@ -169,6 +169,69 @@ def test_stress_drives_diffusion() -> None:
 def test_refusals(options: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         solid(vv.RectangleMesh(size=(4, 4), counts=(4, 4)), **options)
+
+
+CUBE: dict[str, Any] = {"size": (1, 1, 1), "counts": (2, 2, 2)}
+STEPS: list[tuple[vv.Scheme, vv.Adaptive | None]] = [
+    (vv.EnergyMomentum(), None),
+    (vv.EnergyMomentum(), vv.Adaptive(tolerance=1e-3)),
+    (vv.Midpoint(), None),
+    (vv.BDF2(), None),
+    (vv.GeneralizedAlpha(), None),
+]
+
+
+@pytest.mark.parametrize("splines", [False, True])
+@pytest.mark.parametrize(("scheme", "adaptive"), STEPS)
+def test_no_step_ends_where_no_stiffness_is_left(scheme: vv.Scheme, adaptive: Any, splines: bool) -> None:
+    """Of concentrations that grow at an even rate it is lost at t = 1/2."""
+    given: dict[str, Any] = {
+        "material": vv.SaintVenantKirchhoff(young=1000.0, poisson=0.25),
+        "free_energy": vv.PolynomialEnergy(coefficients=(0.0, 0.0, 5.0), centre=0.5),
+        "concentration": 0.55,
+        "reference": 0.5,
+        "gradient_energy": 1.0,
+        "eigenstrain": 0.01,
+        "moduli": (-10.0,),
+        "name": "foam",
+    }
+    body = (
+        vv.SplineMixtureSolid(mesh=vv.SplineBox(**CUBE, degree=2), **given)
+        if splines
+        else vv.MixtureSolid(mesh=vv.BoxMesh(**CUBE), **given)
+    )
+    normals = np.eye(3)
+    held = [vv.SymmetryPlane(solid=body, nodes=f"{'xyz'[k]}0", normal=normals[k]) for k in range(3)]
+    system = vv.System([body, *held, vv.ConcentrationSource(body=body, rate=0.1)])
+    with pytest.raises(
+        vv.StepFailure, match=r"MixtureSolid 'foam' near \(0.*a concentration of 0.6.*by moduli = "
+    ):
+        vv.simulate(system, until=1.0, step=0.1, scheme=scheme, adaptive=adaptive)
+    reached = body.values(system.x)
+    assert reached == pytest.approx(0.55 + 0.1 * system.time, abs=1e-9)
+    assert 0.599 < reached.max() < 0.6
+
+
+def test_no_step_ends_where_no_length_is_left() -> None:
+    body = solid(vv.BoxMesh(**CUBE), gradient_energy=4.0, eigenstrain=(0.0, -10.0, 0.0), name="foam")
+    system = vv.System([body])
+    x = system.x.copy()
+    x[body.phase.unknowns] = 0.599
+    assert body.invalid(x) == ""
+    x[body.phase.unknowns[-1]] = 0.7
+    words = r"^element 7 of MixtureSolid 'foam' near \(0.*leaves lengths of -0.* by eigenstrain = \(0.0, -10.0, 0.0\)"
+    assert re.match(words, body.invalid(x))
+
+
+def test_statics_ends_where_nothing_is_left() -> None:
+    body = solid(vv.BoxMesh(**CUBE), gradient_energy=4.0, moduli=(-10.0,), name="foam")
+    held = vv.PrescribedConcentration(body=body, nodes="x0", value="0.5 + 0.02 * t")
+    system = vv.System([body, vv.Fixed(solid=body, nodes="x0"), held])
+    with pytest.raises(
+        vv.RunError, match=r"element \d of MixtureSolid 'foam' near .* leaves a stiffness of -"
+    ):
+        vv.quasi_static(system, until=10.0, step=1.0)
+    assert 4.9 < system.time < 5.0
 
 
 def test_phases_near_the_ends_of_logarithms_are_remarked_on_with_a_cure_that_is_one() -> None:

@@ -19,6 +19,7 @@ from visviva.body.solid_term import Elements
 from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
+from visviva.component.limited import Limited
 from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
@@ -50,7 +51,7 @@ class Chemistry(CahnHilliard):
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class MixtureSolid(Solid):
+class MixtureSolid(Limited, Solid):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
 
     Takes the arguments of `Solid`, in space or in plane strain, with ``formulation="displacement"``, and
@@ -144,12 +145,39 @@ class MixtureSolid(Solid):
 
     def _refuse_lost(self, c: Array) -> None:
         """Refuse concentrations at the start that leave no length or stiffness."""
+        lost = np.flatnonzero(self._least(c) <= 0)
+        if len(lost):
+            raise InputError(f"{self.label}: at the start {self._said(float(c[lost[0]]))}")
+
+    def _least(self, c: Array) -> Array:
+        """What concentrations leave least of: the stiffness, or the length along an axis, as shares."""
         off = c - self.reference
-        if not np.all(1 + off[:, None] * self._strains > 0) or not np.all(self._stiffness(off) > 0):
-            raise InputError(
-                f"{self.label}: eigenstrain = {self.eigenstrain} or moduli = {self.moduli} leave no length or no "
-                f"stiffness at concentrations from {c.min():g} to {c.max():g}, with the reference {self.reference:g}"
-            )
+        shares = 1 + off[..., None] * self._strains
+        return np.asarray(np.minimum(self._stiffness(off), shares.min(axis=-1)))
+
+    def _said(self, c: float) -> str:
+        off = c - self.reference
+        if (m := float(self._stiffness(np.array(off)))) <= 0:
+            left = f"a stiffness of {m:.4g} times that of its material by moduli = {self.moduli}"
+        else:
+            shares = (1 + off * self._strains).tolist()
+            left = f"lengths of {min(shares):.4g} times those of its material by eigenstrain = {self.eigenstrain}"
+        return (
+            f"a concentration of {c:.6g} leaves {left}, with the reference {self.reference:g}: give coefficients that "
+            "leave some at all concentrations that occur"
+        )
+
+    def invalid(self, x: Array) -> str:
+        """Points where concentrations leave no length or stiffness."""
+        first = 0
+        for table in self.space.cells():
+            c = table.at(self.coefficients(x))
+            if np.any(lost := self._least(c) <= 0):
+                e, q = np.argwhere(lost)[0]
+                at = ", ".join(f"{X:.4g}" for X in table.X[e, q])
+                return f"element {first + e} of {self.label} near ({at}): {self._said(float(c[e, q]))}"
+            first += len(c)
+        return super().invalid(x)
 
     def _stiffness(self, off: Array) -> Array:
         return np.asarray(np.polynomial.polynomial.polyval(off, self._moduli))
