@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from catalogue import CATALOGUE
+from catalogue.entry import Entry
 from interrupting import at, run_until
 from rubbing import thrown
 from saved import saved_arrays
@@ -23,6 +25,7 @@ import visviva as vv
 from visviva.examples import crane, four_bar
 from visviva.output import Trajectory, load_state, read_table, save_state
 from visviva.scheme.clock import Clock
+from visviva.study.recorder import Recorder
 from visviva.study.restart import notes_of
 from visviva.study.run import run as run_study
 
@@ -121,6 +124,45 @@ def test_resumed_after_a_step_that_the_end_cut(name: str, tmp_path: Path) -> Non
     assert again.system.x.tobytes() == march.system.x.tobytes()
     assert np.array_equal(result.times, np.concatenate([parts[0].times, parts[1].times[1:]]))
     assert result.times[20:23] == pytest.approx([0.2, 0.205, 0.215], abs=1e-12)
+
+
+def first_of_each_body() -> Iterator[Entry]:
+    """Entries of the catalogue that have a body of a class that those before them have not."""
+    seen: set[type] = set()
+    for entry in CATALOGUE:
+        kinds = {type(component) for component in entry.build() if hasattr(component, "mesh")}
+        if kinds - seen:
+            seen |= kinds
+            yield entry
+
+
+class Killed(Exception):
+    pass
+
+
+def test_resumed_from_the_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is moved before the first step, potentials and positions without mass, is moved once alone."""
+
+    def composed(entry: Entry) -> vv.Study:
+        return vv.Study(entry.system(), 2 * entry.h, entry.h)
+
+    def killed(*_: object) -> None:
+        raise Killed
+
+    differ = []
+    for k, entry in enumerate(first_of_each_body()):
+        one, other = tmp_path / f"{k} whole", tmp_path / f"{k} killed"
+        run(composed(entry), one)
+        with monkeypatch.context() as patch:
+            patch.setattr(Recorder, "march", killed)
+            with pytest.raises(Killed):
+                run(composed(entry), other)
+        run(composed(entry), other, resume=True)
+        try:
+            assert_same(one, other)
+        except AssertionError:
+            differ.append(entry.name)
+    assert differ == []
 
 
 @pytest.mark.parametrize("name", ["crane", "generalised alpha"])

@@ -178,19 +178,21 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
         from visviva.system.check import fit
 
         system.report = fit(system, project=project, moving=scheme.has_inertia)
-    if system.is_given and scheme.has_inertia:
+    is_new_to_scheme = system.stepper.settled != scheme
+    begins = system.is_given and is_new_to_scheme
+    if begins and scheme.has_inertia:
         begin_consistently(system)
         bring_into_balance(system)
     if is_new:
         refuse_swinging(system, scheme)
     system.stepper.means = moved_by_means(system, scheme)
     system.projects(scheme)  # a look at the equations, which is due before the first increment
-    for component in system.components:
+    for component in system.components if is_new_to_scheme else ():
         component.start(system, scheme)
-    if system.is_given and not scheme.has_inertia:  # begins elsewhere where components say so
+    if begins and not scheme.has_inertia:  # begins elsewhere where components say so
         begin_consistently(system)
     _tell_moves(system)
-    system.stepper.is_edited = False
+    system.stepper.is_edited, system.stepper.settled = False, scheme
 
 
 def _tell_moves(system: System) -> None:

@@ -38,6 +38,9 @@ class Stepper:
         Whether the state was given, and is not that of a step.
     is_edited : bool
         Whether the state was touched since the last step, or the last check.
+    settled : Scheme, optional
+        That whose runs begin from this state as it is: what it moves before the first step is moved once, so that
+        a restart there goes on from the same bits.
     last : tuple, optional
         Step and signals that led to the present state.
     told_forces : array, optional
@@ -58,6 +61,7 @@ class Stepper:
     solves_means: bool = True
     is_given: bool = True
     is_edited: bool = False
+    settled: Scheme | None = None
     last: tuple[Any, Array] | None = None
     told_forces: Array | None = None
     stability: Stability = field(default_factory=Stability)
@@ -89,7 +93,7 @@ class Stepper:
 
     def edited(self) -> None:
         """The state was changed from outside, and is no longer that of a step."""
-        self.last = self.told_forces = None
+        self.last = self.told_forces = self.settled = None
         self.is_edited, self.is_given, self.has_acceleration = True, True, False
 
     def begin_run(self) -> None:
@@ -104,19 +108,21 @@ class Stepper:
             "rejected": self.rejected,
             "has_acceleration": int(self.has_acceleration),
             "solves_means": int(self.solves_means),
+            "is_given": int(self.is_given),
         }
         values |= {f"clock.{name}": value for name, value in asdict(self.clock).items()}
         values |= {f"stability.{name}": value for name, value in asdict(self.stability).items()}
         return Record(NAME, VERSION, values=values)
 
     def recall(self, record: Record) -> None:
-        """Go on from what was recorded, with a state that is the one of a step."""
+        """Go on from what was recorded; where it is not said, the state is that of a step."""
         values = record.values
         self.rejected, self.has_acceleration = int(values["rejected"]), bool(values["has_acceleration"])
         for part, name in ((self.clock, "clock"), (self.stability, "stability")):
             for known in fields(part):
                 setattr(part, known.name, values.get(f"{name}.{known.name}", known.default))
-        self.solves_means, self.is_given = bool(values["solves_means"]), False
+        self.solves_means = bool(values["solves_means"])
+        self.is_given = bool(values.get("is_given", False))
 
     def copy(self) -> Stepper:
         """A copy that does not change with this one."""
