@@ -104,7 +104,9 @@ def test_runs_go_on_with_the_energy_that_they_stopped_with() -> None:
     second.assert_conserved("energy", tolerance=1e-10)
 
 
-def sliding_solids(seed: tuple[int, int], enforcement: str, young: float) -> tuple[vv.System, vv.Solid, Any]:
+def sliding_solids(
+    seed: tuple[int, int], enforcement: str, young: float, lower_first: bool = False
+) -> tuple[vv.System, vv.Solid, Any]:
     """A block of bricks thrown along another one, which is held below. Nodes of it hang over and come back, and those
     above the lower block stay around its middle."""
     rng = np.random.default_rng(seed)
@@ -119,7 +121,8 @@ def sliding_solids(seed: tuple[int, int], enforcement: str, young: float) -> tup
     material = vv.NeoHooke(young=young, poisson=0.3)
     below = vv.Solid(mesh=lower, material=material, density=1e3)
     above = vv.Solid(mesh=upper, material=material, density=1e3, velocity=velocity)
-    contact = vv.Contact(first=above, second=below, formulation="node-to-segment", enforcement=enforcement)
+    first, second = (below, above) if lower_first else (above, below)
+    contact = vv.Contact(first=first, second=second, formulation="node-to-segment", enforcement=enforcement)
     parts = [below, above, vv.Fixed(solid=below, nodes="z0"), contact, vv.Gravity()]
     return vv.System(parts), above, velocity
 
@@ -156,3 +159,14 @@ def test_solids_that_slide_flush_keep_their_momentum(
     assert worst < 1e4 / young * 0.5
     if enforcement == "penalty":
         result.assert_conserved("energy", tolerance=1e-9)
+
+
+@pytest.mark.parametrize("enforcement", ["penalty", "multipliers"])
+def test_solids_that_fall_between_nodes_of_the_first_are_refused(enforcement: str) -> None:
+    """The lower block's nodes are 0.2 m apart: the upper one tipped over the last of them into it, by more than its
+    thickness, and was stopped by that."""
+    system, _, _ = sliding_solids((5, 19), enforcement, 1e7, lower_first=True)
+    with pytest.raises(
+        vv.StepFailure, match=r"sink into each other.*vertices of .* alone touch.*exchange first"
+    ):
+        vv.simulate(system, until=0.24, step=4e-3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 
@@ -40,19 +40,28 @@ def watched(contact: Contact) -> Pairing | None:
     return (first, second) if isinstance(second, Obstacle) else None
 
 
-def _on_solid(contact: Contact) -> tuple[RigidBody, Solid] | None:
-    """A rigid body of which vertices alone touch a solid, whose edges and corners may pass between them."""
+def _by_vertices(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
+    """Both sides, one of them a solid, if vertices of the first alone touch: the second may pass between them.
+
+    Of a first solid only where all faces may touch: what is pressed beside faces that are named is meant to be free.
+    """
     first, second = contact.first, contact.second
-    if not isinstance(first, RigidBody) or not isinstance(second, Solid) or contact.is_mortar:
+    if contact.is_mortar or first is second or not mesh_bodies(first, second):
         return None
-    feelers = first.feelers()
-    corners = feelers is not None and feelers[1] == 0 and first.shape is not None
-    return (first, second) if corners and second.grid.dimension == 3 else None
+    if isinstance(first, Solid) and (contact.first_faces, contact.second_faces) != ("all", "all"):
+        return None
+    return (first, second) if _has_corners(first) and _has_corners(second) else None
+
+
+def _has_corners(body: object) -> TypeGuard[Solid | RigidBody]:
+    if isinstance(body, Solid):
+        return body.grid.dimension == 3
+    return isinstance(body, RigidBody) and body.shape is not None and body.shape.feelers[1] == 0
 
 
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
     """Let steps fail in which the bodies of a contact sink into each other unseen."""
-    pairing = watched(contact) or _on_solid(contact)
+    pairing = watched(contact) or _by_vertices(contact)
     if pairing is None:
         return
     first, second = pairing
@@ -101,9 +110,9 @@ def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
     return of_vectors(places, facets, points)
 
 
-def _cure(contact: Contact, pairing: tuple[RigidBody, Second]) -> str:
+def _cure(contact: Contact, pairing: tuple[Second, Second]) -> str:
     first, second = (body.label for body in pairing)
-    if isinstance(pairing[1], Solid):
+    if any(isinstance(body, Solid) for body in pairing):
         return (
             f"vertices of {first} alone touch {second}: exchange first and second, or take formulation='mortar' where "
             "faces lie on each other"
