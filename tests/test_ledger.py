@@ -57,6 +57,15 @@ def test_what_rests_has_small_figures() -> None:
     assert result.ledger.imbalance() < 1e-7
 
 
+def test_it_goes_through_its_columns_by_name() -> None:
+    result = vv.simulate(vv.System([vv.PointMass(mass=1.0, velocity=(2, 0, 0))]), until=0.2, step=0.1)
+    found = {name: result.ledger[name] for name in result.ledger}
+    assert found["kinetic"] == pytest.approx(2.0)
+    assert list(found) == result.ledger.names
+    assert "kinetic" in result.ledger
+    assert "kinetics" not in result.ledger
+
+
 @pytest.mark.parametrize(
     ("column", "value"),
     [("imbalance", 1e-3), ("defect_position", 1e-3), ("total", 2.0), ("momentum_z", 1e-3)],

@@ -44,7 +44,8 @@ class CrackArea(Reading):
     """Probe: area of the cracks of a body, in the plane their length times the thickness.
 
     Their energy by the toughness: damage ahead of a crack counts, and cells of size h make it larger, by the share
-    ``h / 2 l`` with AT2 and ``3 h / 8 l`` with AT1.
+    ``h / 2 l`` with AT2 and ``3 h / 8 l`` with AT1, and up to twice that where two rows of cells are damaged through,
+    as straight on from a slit of `Mesh.opened`.
 
     Parameters
     ----------

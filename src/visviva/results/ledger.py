@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -171,6 +172,12 @@ class Ledger:
 
     def __getitem__(self, name: str) -> Array:
         return self.table[:, self.column(name)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._column
 
     def to_dataframe(self) -> Any:
         """Its rows as a table of pandas, with the times as index."""
