@@ -567,3 +567,26 @@ def test_an_insulated_solid_of_steel_keeps_its_temperature(T: float) -> None:
     assert body.temperatures(system.x) == pytest.approx(T, rel=1e-12)
     vv.simulate(system, until=1.0, step=0.5)
     assert body.temperatures(system.x) == pytest.approx(T, rel=1e-9)
+
+
+@pytest.mark.parametrize("slope", ["moduli_slope", "conductivity_slope"])
+@pytest.mark.parametrize("thin", [False, True])
+def test_no_step_ends_where_slopes_leave_nothing(slope: str, thin: bool) -> None:
+    """Heated evenly from 300 K by 10 K per time: what falls by a tenth per kelvin is lost at t = 1."""
+    heat = vv.Heat(conductivity=1.0, capacity=1.0, reference=300.0, **{slope: -0.1})
+    rubber = vv.NeoHooke(young=100.0, poisson=0.3)
+    body: Any
+    if thin:
+        section = vv.SolidSection(material=rubber, thickness=0.1, density=1.0)
+        plate = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+        body = vv.ThermalShell(name="hot", mesh=plate, section=section, heat=heat)
+    else:
+        mesh = vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1))
+        body = vv.ThermoelasticSolid(name="hot", mesh=mesh, material=rubber, density=1.0, heat=heat)
+    system = vv.System([body, vv.HeatSource(body=body, power=10.0)])
+    with pytest.raises(
+        vv.StepFailure, match=f"'hot': {slope} = -0.1 leaves nothing positive at a temp.* of 310"
+    ):
+        vv.simulate(system, until=2.0, step=0.1)
+    assert system.time == pytest.approx(1.0, abs=0.01)
+    assert body.temperatures(system.x) == pytest.approx(310.0, abs=0.1)

@@ -115,6 +115,9 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(middle, dtype=float), n))
         self._start_halves = 0.5 * np.array(np.broadcast_to(np.asarray(apart, dtype=float), n))
         refuse_below_zero(self.label, self.start_temperatures - np.abs(self._start_halves))
+        sides = self.start_temperatures[:, None] + self._start_halves[:, None] * np.array([-1, 1])
+        if beyond := self.heat.beyond_slopes(sides.ravel()):
+            raise InputError(f"{self.label}: {beyond}")
 
     def _refuse_others(self) -> None:
         if self.formulation != "displacement":
@@ -291,6 +294,14 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
     def heated_points(self, faces: Faces) -> Iterator[FacePoints]:
         """Of sides on these themselves, whose areas differ from that of the middle where the shell is curved."""
         return self.face_points(faces, on_sides=True)
+
+    def invalid(self, x: Array) -> str:
+        """Temperatures of the step below absolute zero, or at which slopes leave nothing positive."""
+        if found := super().invalid(x):
+            return found
+        T = x[self.algorithmic.unknowns].reshape(-1, self._n_modes) @ self.profiles().T
+        beyond = self.heat.beyond_slopes(T.ravel())
+        return f"{self.label}: {beyond}" if beyond else ""
 
     def profiles(self) -> Array:
         return self._shapes(np.array([-1.0, 0.0, 1.0])).T

@@ -106,11 +106,17 @@ class ThermalSpring(Lump):
             )
         if self.free_length is not None and not self.free_length > 0:
             raise InputError(f"{self.label}: free_length = {self.free_length:g} is not positive")
-        least = 1 + self.moduli_slope * (self.start_temperature - self.reference)
-        if not least > 0:
-            raise InputError(
-                f"{self.label}: moduli_slope = {self.moduli_slope:g} leaves no stiffness at {self.start_temperature:g}"
-            )
+        if beyond := self._beyond_slope(self.start_temperature):
+            raise InputError(beyond)
+
+    def _beyond_slope(self, T: float) -> str:
+        if 1 + self.moduli_slope * (T - self.reference) > 0:
+            return ""
+        return f"{self.label}: moduli_slope = {self.moduli_slope:g} leaves no stiffness at {T:g}"
+
+    def invalid(self, x: Array) -> str:
+        """A temperature of the step below absolute zero, or at which no stiffness is left."""
+        return super().invalid(x) or self._beyond_slope(float(x[self.algorithmic.start]))
 
     def points(self) -> tuple[Any, Any]:
         """The two points it connects."""

@@ -360,15 +360,18 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         others = super().smoothed([n for n in names if n != "temperature"], x)
         return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
 
+    def invalid(self, x: Array) -> str:
+        """Temperatures of the step below absolute zero, or at which slopes leave nothing positive."""
+        if found := super().invalid(x):
+            return found
+        T = x[self.algorithmic.start + self._number]
+        beyond = self.heat.beyond_slopes(T) if isinstance(self.heat, Heat) else ""
+        return f"{self.label}: {beyond}" if beyond else ""
+
     def trouble(self, x: Array) -> str:
         steep = self.heat.stores.steepness if isinstance(self.heat, Heat) else ""
         found = [self._trouble(x), f"The capacity of {self.label} {steep}" if steep else ""]
         return ". ".join(word for word in found if word)
 
     def _trouble(self, x: Array) -> str:
-        if below := self.invalid(x):
-            return below
-        T = x[self.algorithmic.start + self._number]
-        if isinstance(self.heat, Heat) and (beyond := self.heat.beyond_slopes(T)):
-            return f"{self.label}: {beyond}"
-        return super().trouble(x)
+        return self.invalid(x) or super().trouble(x)
