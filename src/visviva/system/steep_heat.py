@@ -69,10 +69,10 @@ def first_halvings(system: System, scheme: Scheme, h: float) -> int:
 
 
 def _extremes(body: HeatCarrier, x: Array) -> tuple[float, float]:
-    """By how much its temperatures differ, and the highest one."""
+    """By how much its temperatures differ, and the largest one: below zero in degrees Celsius, maybe."""
     own, profiles = body.warmth[1], body.profiles()
     T = x[np.asarray(own.unknowns)].reshape(-1, profiles.shape[1]) @ profiles.T
-    return float(np.ptp(T)), float(T.max())
+    return float(np.ptp(T)), float(np.abs(T).max())
 
 
 def _rates(system: System, bodies: list[HeatCarrier]) -> list[float]:
