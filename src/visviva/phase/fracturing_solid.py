@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,8 @@ REMEMBERING = {
     PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HISTORY_FRACTURE_OF_REVOLUTION,
 }
 """The same with a history field."""
+ROUNDING = 1e-9
+"""Integrals of shape functions below this part of their mean are none: those of corners of tri6."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -73,10 +75,11 @@ class FracturingSolid(Solid):
         At the start, 0 to 1: cracks that are there already.
     irreversibility : {'active set', 'history'}
         How damage is kept from shrinking. By active sets, nodes that would shrink rest: exact, without work, and the
-        ledger closes. By the history field (Miehe, Hofacker & Welschinger 2010) the largest energy W+ that there has
-        been at a point drives its damage in place of what there is: an energy that is no longer stored counts on, and
-        the ledger's balance tells how much; for comparison with other programs. It takes no `damage` and no
-        `free_strain`.
+        ledger closes. So the integral of no node's shape function may be negative: cells are tri3, quad4, quad9, tri6
+        of straight edges (not of revolution), hex8, hex27, tet4 or wedge6. By the history field (Miehe, Hofacker &
+        Welschinger 2010) the largest energy W+ that there has been at a point drives its damage in place of what there
+        is: an energy that is no longer stored counts on, and the ledger's balance tells how much; for comparison with
+        other programs. It takes no `damage` and no `free_strain`.
     free_strain : float, or callable, optional
         The strain, the same in all directions, that heat or drying alone would leave; or ``f(t, X)`` of time and
         reference positions (n, 3) with values (n,). Both parts of the energy are ``(1 + e)^3 W(C / (1 + e)^2)``; what
@@ -135,6 +138,7 @@ class FracturingSolid(Solid):
         self._refuse_coarse()
         self.start_damages = self._given_damages()
         self._refuse_beside_history()
+        self._refuse_turned_bounds()
 
     def _given_damages(self) -> Array:
         n = self.grid.n_nodes
@@ -185,6 +189,29 @@ class FracturingSolid(Solid):
                 f"{self.label}: irreversibility = 'history' would heal a damage of {self.start_damages.max():g} at the "
                 "start, which no strain has made; cut the mesh open by Mesh.opened, or take 'active set'"
             )
+
+    def _refuse_turned_bounds(self) -> None:
+        """Refuse cells where what drives a node's damage has the other sign: grow and shrink change places there."""
+        if self.irreversibility != "active set":
+            return
+        shares = self._volumes_of_nodes()
+        worst = int(shares.argmin())
+        if shares[worst] >= -ROUNDING * shares.mean():
+            return
+        kinds = [cell for cell, nodes in self.grid.cells.items() if worst in nodes]
+        cells = (
+            "tri3, quad4, quad9, or tri6 of straight edges"
+            if self.dimension == 2
+            else "hex8, hex27, tet4 or wedge6"
+        )
+        raise InputError(
+            f"{self.label}: the shape function of node {worst} at {np.round(self.points[worst], 6).tolist()} has the "
+            f"negative integral {shares[worst]:.3g} over its cells {', '.join(kinds)}: damage kept from shrinking node "
+            f"by node would grow there without load, and heal; take {cells}{self._other_way}"
+        )
+
+    _other_way: ClassVar[str] = ", or irreversibility = 'history'"
+    """What else than other cells keeps damage from shrinking."""
 
     def start(self, state: State, scheme: Scheme) -> None:
         super().start(state, scheme)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,7 @@ class ThermalFracturingSolid(FracturingSolid, ThermoelasticSolid):
     """
 
     cracked_conductivity: Number = 1.0
+    _other_way: ClassVar[str] = ""
 
     def _refuse_others(self) -> None:
         FracturingSolid._refuse_others(self)
