@@ -61,16 +61,26 @@ def test_small_differences_fall_by_the_closed_form(scheme: vv.Scheme) -> None:
 def test_steps_are_divided_once_and_told(capsys: pytest.CaptureFixture[str]) -> None:
     """On the grid of the whole ones, and the same to the bit where a run goes on."""
     ends = []
-    for times in ((0.2,), (0.1, 0.2)):
+    for times in ((0.2,), (0.1, 0.2), (0.01, 0.02, 0.2)):
         shell = plate(10.0)
         system = held(shell)
         for until in times:
             result = vv.simulate(system, until=until, step=0.01)
         ends.append(system.x.copy())
-    assert np.array_equal(*ends)
-    assert capsys.readouterr().err.count("the first step is divided") == 2
+    assert np.array_equal(ends[0], ends[1])
+    assert np.array_equal(ends[0], ends[2])
+    assert capsys.readouterr().err.count("the first step is divided") == 3
     whole = np.arange(15, 20) * 0.01
     assert np.abs(result.times[:, None] - whole).min(axis=0).max() < 1e-12
+
+
+def test_steps_that_are_chosen_grow_from_a_divided_one() -> None:
+    """To a hundredfold of the step given, not of its part."""
+    shell = plate(1e3)
+    result = vv.simulate(held(shell), until=0.2, step=0.01, adaptive=vv.Adaptive(min_step=1e-3))
+    assert shell.face_temperatures(result.system.x) == pytest.approx(MEAN, abs=2e-3 * APART)
+    assert np.diff(result.times).max() > 0.01
+    assert result.statistics.steps < 200
 
 
 def test_gentle_starts_are_left_alone() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -108,9 +109,11 @@ class _Estimate:
 
 
 def adaptive_steps(
-    system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive
+    system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive, halved: int = 0
 ) -> Iterator[Any]:
-    """March to `until` with steps that `rule` chooses, the first of length `step`; yields reports.
+    """March to `until` with steps that `rule` chooses, the first `step` `halved` so often; yields reports.
+
+    Shorter than the rule's shortest one are those with which the run so begins, until they have grown.
 
     ``system.stepper.pace`` carries the next length, the last error, and what the estimate remembers.
     """
@@ -119,7 +122,7 @@ def adaptive_steps(
     means = has_means & (system.order == 1)
     means[late] = True
     estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0), means, late)
-    h, last, pace = float(np.clip(step, low, high)), 1.0, system.stepper.pace
+    h, last, pace = math.ldexp(float(np.clip(step, low, high)), -halved), 1.0, system.stepper.pace
     if NAME in pace:
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
         estimate.rates = pace[NAME].arrays["rates"]
@@ -148,8 +151,8 @@ def adaptive_steps(
             continue
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         depths = there
-        h = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
-        h, last = float(np.clip(h, low, high)), error
+        proposed = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
+        h, last = float(np.clip(proposed, min(low, h), high)), error
         steps = np.array([h, last, taken, estimate.before])
         pace[NAME] = Record(NAME, VERSION, {"steps": steps, "rates": rates, "depths": depths})
         yield attempt.report

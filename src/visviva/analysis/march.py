@@ -98,8 +98,7 @@ def march(
         return
     n = first_halvings(system, scheme, step) if system.is_given else 0
     if adaptive is not None:
-        first = math.ldexp(step, -n)
-        yield from adaptive_steps(system, until=until, step=first, scheme=scheme, rule=adaptive)
+        yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive, halved=n)
     else:
         yield from counted_steps(system, until=until, step=step, scheme=scheme, halved=n)
 
@@ -130,7 +129,9 @@ def counted_steps(
     clock = system.clock
     clock.use(step)
     clock.refuse_short(until, step, system.stepper.is_given)
-    clock.begin_short(halved)
+    if halved:  # a run that goes on may be among them
+        clock.begin_short(halved)
+    halved = clock.halvings if clock.begins else 0
     while not clock.has_reached(until):
         halved = min(halved, clock.halvings)
         system.core.allow_last_resort(clock.halvings >= halved + LAST_RESORT)

@@ -199,12 +199,16 @@ class HeatBond(Term):
         self.at_end = not (first.is_entropy or second.is_entropy)
 
     def jump(self, x: Array) -> tuple[Array, Array]:
-        """What rows (m,) miss their constraints by at all unknowns of the system, and the size of its parts."""
+        """What rows (m,) miss their constraints by at all unknowns of the system, and its size at the bodies' warmest.
+
+        Not that of the temperatures there: ties in degrees Celsius may meet at zero, where these are rounding.
+        """
         parts = [
             w * np.einsum("i,mik->mk", side.modes, x[self.unknowns[:, side.warmth]])
             for side, w in zip(self.sides, self.weights, strict=True)
         ]
-        return sum(p.sum(axis=1) for p in parts), sum(np.abs(p).sum(axis=1) for p in parts)
+        warmest = max(float(np.abs(x[np.asarray(b.warmth[1].unknowns)]).max()) for b in self.bodies)
+        return sum(p.sum(axis=1) for p in parts), warmest * sum(np.abs(w).sum(axis=1) for w in self.weights)
 
     @contextmanager
     def closing(self, part: float, x: Array) -> Iterator[None]:
