@@ -112,6 +112,15 @@ def test_plate_pressed_onto_a_plane() -> None:
     assert contact.pressures[0] == pytest.approx(100 / (1 - 0.09) * -np.log(stretch), rel=0.03)
 
 
+def test_faces_of_a_second_that_is_none_are_refused() -> None:
+    """Lips of a crack went through each other: the faces of the other one were passed over."""
+    solid = vv.Solid(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0.0)
+    )
+    with pytest.raises(vv.InputError, match=r"second_faces = 'z1' .* not given"):
+        vv.Contact(first=solid, first_faces="z0", second_faces="z1")
+
+
 def test_self_contact_by_mortar_needs_two_parts() -> None:
     mesh = vv.RectangleMesh(size=(1.0, 0.5), counts=(3, 2)).build()
     plate = vv.Solid(mesh=mesh, material=RUBBER, density=2.0)

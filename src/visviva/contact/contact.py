@@ -23,6 +23,7 @@ from visviva.contact.contact_check import (
     check_numbers,
     check_restitution,
     check_schemes,
+    check_second,
     check_sides,
     check_stiffness,
     refuse_overlap,
@@ -187,6 +188,7 @@ class Contact(Component):
 
     def __post_init__(self) -> None:
         check_bars(self)
+        check_second(self)
         self.is_mortar = self._is_mortar()
         if self.second is None and self.is_mortar:
             raise InputError(

@@ -26,6 +26,15 @@ DEEP = 1e-6
 """Surfaces may overlap by this part of a facet, or of a shape that has none, at the start: rounding of meshes."""
 
 
+def check_second(contact: Contact) -> None:
+    """Refuse faces of a second body where there is none."""
+    if contact.second is None and contact.second_faces != "all":
+        raise InputError(
+            f"{contact.label}: second_faces = {contact.second_faces!r} are those of second, which is not given: a "
+            "surface touches itself with its first_faces alone, such as 'all'; or give second"
+        )
+
+
 def check_numbers(contact: Contact) -> None:
     """Refuse numbers that no contact has."""
     label = contact.label
