@@ -23,10 +23,19 @@ def waves(X: Array) -> Array:
     return 0.5 + 0.1 * np.cos(np.pi * X[:, 0] / 8) + 0.05 * np.cos(np.pi * X[:, 0] / 4)
 
 
-def test_what_is_not_found_at_the_start_is_told_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_few_iterations_leave_is_found_by_factors_or_told_by_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Potentials in two iterations: what conjugate gradients left was taken for them."""
-    monkeypatch.setattr("visviva.system.algebraic.MOST_LINEAR", 2)
-    with pytest.raises(vv.RunError, match="2 iterations do not find potential of CahnHilliard"):
+    ends = []
+    for most in (1000, 2):
+        monkeypatch.setattr("visviva.system.algebraic.MOST_LINEAR", most)
+        system = separating()
+        vv.simulate(system, until=0.1, step=0.1, scheme=vv.BDF2())
+        ends.append(system.x.copy())
+    assert ends[1] == pytest.approx(ends[0], rel=1e-9)
+    monkeypatch.setattr("visviva.system.algebraic._factored", lambda K, b: np.full(len(b), np.nan))
+    with pytest.raises(vv.RunError, match="2 iterations and factors do not find potential of CahnHilliard"):
         vv.simulate(separating(), until=0.1, step=0.1, scheme=vv.BDF2())
 
 

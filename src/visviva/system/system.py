@@ -40,7 +40,7 @@ from visviva.system.problem import hand_solvers
 from visviva.system.shared import whole_rows
 from visviva.system.stepper import Stepper
 from visviva.system.steps import Attempt
-from visviva.system.tied_heat import begin_consistently
+from visviva.system.tied_heat import even_out
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -129,7 +129,7 @@ class System(metaclass=Named):
         self.core.x[:] = np.concatenate([f.values for f in fields])
         self.core.v[:] = np.concatenate([f.rates for f in fields])
         check_finite(self)
-        begin_consistently(self)
+        even_out(self)
 
     def __getitem__(self, name: str) -> Any:
         """A component by its name.

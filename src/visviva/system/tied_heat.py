@@ -63,6 +63,7 @@ def even_out(system: System) -> None:
         )
     system.x[:] = found
     system.invalidate()
+    system.stepper.is_edited = False
     for f in (f for f in bodies if f.name == "temperature"):
         change = np.abs(found - start)[f.unknowns].max()
         if change > JUMPS * np.abs(start[f.unknowns]).max():
