@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from slots import along_slot, slotted_block
 
 import visviva as vv
 
@@ -78,18 +79,8 @@ def smooth() -> list[Any]:
 
 def slotted() -> list[Any]:
     """A block with a slot like a wedge that closes in part, by multipliers and with friction, and is sheared."""
-    block = vv.RectangleMesh(size=(2, 1), counts=(8, 4)).build()
-    points, cells = block.points, block.cells["quad4"]
-    x, y = points.T
-    inside = np.flatnonzero((np.abs(y - 0.5) < 1e-9) & (x > 0.5 + 1e-9) & (x < 1.5 - 1e-9))
-    above = np.arange(len(points))
-    above[inside] = len(points) + np.arange(len(inside))
-    upper = points[cells].mean(axis=1)[:, 1] > 0.5
-    roof = points[inside] + np.column_stack([0 * inside, 0.03 * (x[inside] - 0.5)])
-    mesh = vv.Mesh(np.vstack([points, roof]), {"quad4": np.where(upper[:, None], above[cells], cells)})
-    faces = mesh.boundary()
-    off, along = np.abs(faces.centres(mesh.points) - (1.0, 0.5)).T
-    mesh = mesh.with_faces("slot", faces.where((along < 0.1) & (off < 0.6)))
+    along = along_slot(8)
+    mesh = slotted_block(8, 0.0, np.outer(along, [0, 0.03]))
     solid = vv.Solid(mesh=mesh, material=RUBBER, density=1.0, name="slotted")
     contact = vv.Contact(first=solid, first_faces="slot", friction=0.3)
     y = mesh.points[:, 1]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from slots import along_slot, slotted_block
 
 import visviva as vv
 
@@ -16,23 +17,10 @@ RUBBER = vv.NeoHooke(young=100.0, poisson=0.3)
 
 def slotted(opening: float = OPENING, shift: float = 0.0) -> vv.Mesh:
     """A block of 2 by 1 with a slot at half its height, as wide as a lens, by x from 0.5 to 1.5; or without one."""
-    block = vv.RectangleMesh(size=(2, 1), counts=(N, N // 2)).build()
     if opening == 0:
-        return block
-    points, cells = block.points, block.cells["quad4"]
-    x, y = points.T
-    inside = np.flatnonzero((np.abs(y - 0.5) < 1e-9) & (x > 0.5 + 1e-9) & (x < 1.5 - 1e-9))
-    above = np.arange(len(points))
-    above[inside] = len(points) + np.arange(len(inside))
-    upper = points[cells].mean(axis=1)[:, 1] > 0.5
-    height = 0.5 * opening * np.sin(np.pi * (x[inside] - 0.5))
-    lower = points.copy()
-    lower[inside, 1] -= height
-    roof = points[inside] + np.column_stack([2 * shift / opening * height * 2 / N, height])
-    mesh = vv.Mesh(np.vstack([lower, roof]), {"quad4": np.where(upper[:, None], above[cells], cells)})
-    faces = mesh.boundary()
-    off, along = np.abs(faces.centres(mesh.points) - (1.0, 0.5)).T
-    return mesh.with_faces("slot", faces.where((along < 0.1) & (off < 0.6)))
+        return vv.RectangleMesh(size=(2, 1), counts=(N, N // 2)).build()
+    height = 0.5 * opening * np.sin(np.pi * along_slot(N))
+    return slotted_block(N, np.outer(height, [0, -1]), np.outer(height, [2 * shift / opening * 2 / N, 1]))
 
 
 def pressed(mesh: vv.Mesh, step: float = 0.0625, **options: Any) -> tuple[vv.Result, vv.Solid, Any]:

@@ -129,8 +129,7 @@ def counted_steps(
     clock = system.clock
     clock.use(step)
     clock.refuse_short(until, step, system.stepper.is_given)
-    if halved:  # a run that goes on may be among them
-        clock.begin_short(halved)
+    clock.begin_short(halved)
     halved = clock.halvings if clock.begins else 0
     while not clock.has_reached(until):
         halved = min(halved, clock.halvings)

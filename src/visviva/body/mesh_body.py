@@ -154,8 +154,10 @@ class MeshBody(Attachable, Meshed):
 
     def _geometry(self, cell: str, nodes: Ints, rule: Rule | None = None) -> Geometry:
         """Gradients and volumes of cells (m, k) of a type, by default at the points of internal forces."""
-        options: Any = {"thickness": self.thickness, "axisymmetric": self.axisymmetric}
-        return geometry(self.grid.points, nodes, cell, rule=rule, **options)
+        thickness, axisymmetric = self.thickness, self.axisymmetric
+        return geometry(
+            self.grid.points, nodes, cell, rule=rule, thickness=thickness, axisymmetric=axisymmetric
+        )
 
     # --- masses and the start ------------------------------------------------------------------------------
     @cached_property

@@ -145,7 +145,7 @@ class OnSplines(Solid):
 
     def _agree(self, v: Array, pair: tuple[str, str]) -> bool:
         """Whether these velocities of nodes are the same on both sides."""
-        one, two = partners(self.grid, pair[0], pair[-1], self.label).T
+        one, two = partners(self.grid, *pair, self.label).T
         return bool(np.abs(v[one] - v[two]).max(initial=0.0) <= CLOSE * np.abs(v).max(initial=0.0))
 
     # --- what it shows -------------------------------------------------------------------------------------

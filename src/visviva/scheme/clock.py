@@ -88,7 +88,7 @@ class Clock:
         """Begin with steps that are halved so often, and are parts of the time since while they lengthen."""
         for _ in range(halvings):
             self.halve(self.length)
-        self.begins = halvings > 0
+        self.begins |= halvings > 0  # a run that goes on may be among them
 
     def lengthen(self) -> None:
         """Twice the length again where a step of that length begins, so that the whole steps' times are met again."""

@@ -93,9 +93,10 @@ def find_linear(system: System, fields: list[Field]) -> None:
         return
     b, inverse = _tested(K, r), sp.diags_array(1 / K.diagonal())
     change = cg(K, b, M=inverse, rtol=ROUNDING, maxiter=MOST_LINEAR)[0]
-    if not _left(K, b, change) <= ROUGH:  # stabilised pressures of what is nearly incompressible
-        change = _factored(K, b)
     left = _left(K, b, change)
+    if not left <= ROUGH:  # stabilised pressures of what is nearly incompressible
+        change = _factored(K, b)
+        left = _left(K, b, change)
     if not left <= ROUGH:
         names = ", ".join(dict.fromkeys(f"{f.name} of {f.component.label}" for f in fields))
         raise RunError(

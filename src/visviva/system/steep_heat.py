@@ -46,7 +46,7 @@ def first_halvings(system: System, scheme: Scheme, h: float) -> int:
     bodies = [
         c for c in system.components if isinstance(c, HeatCarrier) and (c.balances_entropy or id(c) in tied)
     ]
-    bodies = [c for c in bodies if _extremes(c, system.x)[0] > EVEN * _extremes(c, system.x)[1]]
+    bodies = [c for c in bodies if _is_uneven(c, system.x)]
     if not bodies:
         return 0
     hasty = {c.label: h * rate for c, rate in zip(bodies, _rates(system, bodies), strict=True)}
@@ -68,10 +68,14 @@ def first_halvings(system: System, scheme: Scheme, h: float) -> int:
     return n
 
 
+def _is_uneven(body: HeatCarrier, x: Array) -> bool:
+    differ, largest = _extremes(body, x)
+    return differ > EVEN * largest
+
+
 def _extremes(body: HeatCarrier, x: Array) -> tuple[float, float]:
     """By how much its temperatures differ, and the largest one: below zero in degrees Celsius, maybe."""
-    own, profiles = body.warmth[1], body.profiles()
-    T = x[np.asarray(own.unknowns)].reshape(-1, profiles.shape[1]) @ profiles.T
+    T = body.temperatures_across(x)
     return float(np.ptp(T)), float(np.abs(T).max())
 
 

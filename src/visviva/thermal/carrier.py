@@ -124,8 +124,7 @@ class HeatCarrier(Limited):
         return found or super().invalid(x)
 
     def _below_zero(self, x: Array) -> str:
-        own, profiles = self.warmth[1], self.profiles()
-        T = (x[own.start : own.start + own.size].reshape(-1, profiles.shape[1]) @ profiles.T).min(axis=1)
+        T = self.temperatures_across(x).min(axis=1)
         k = int(np.argmin(T))
         if T[k] > 0:
             return ""
@@ -137,6 +136,12 @@ class HeatCarrier(Limited):
     def profiles(self) -> Array:
         """What each unknown (modes,) of the temperature of a node counts for at places (k, modes) across there."""
         return np.eye(1, self.warmth[1].node)
+
+    def temperatures_across(self, x: Array) -> Array:
+        """Those (n, k) of the balances of nodes at the places across there that `profiles` counts for."""
+        own, profiles = self.warmth[1], self.profiles()
+        at_nodes: Array = x[own.start : own.start + own.size].reshape(-1, profiles.shape[1])
+        return at_nodes @ profiles.T
 
     @property
     def warmth(self) -> tuple[Field, Field]:

@@ -299,8 +299,7 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         """Temperatures of the step below absolute zero, or at which slopes leave nothing positive."""
         if found := super().invalid(x):
             return found
-        T = x[self.algorithmic.unknowns].reshape(-1, self._n_modes) @ self.profiles().T
-        beyond = self.heat.beyond_slopes(T.ravel())
+        beyond = self.heat.beyond_slopes(self.temperatures_across(x).ravel())
         return f"{self.label}: {beyond}" if beyond else ""
 
     def profiles(self) -> Array:

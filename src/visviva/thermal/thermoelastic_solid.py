@@ -364,7 +364,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         """Temperatures of the step below absolute zero, or at which slopes leave nothing positive."""
         if found := super().invalid(x):
             return found
-        T = x[self.algorithmic.start + self._number]
+        T = self.temperatures_across(x).ravel()
         beyond = self.heat.beyond_slopes(T) if isinstance(self.heat, Heat) else ""
         return f"{self.label}: {beyond}" if beyond else ""
 
