@@ -146,11 +146,18 @@ VISVIVA_INLINE Jet<n, second> powm1(const Jet<n, second>& u, V a) {
     return chain(u, p, p1, (a - 1.0) * p1 * i);
 }
 
+/// 1 where it is positive, 0 elsewhere
+VISVIVA_INLINE V is_positive(V u) { return select(u > 0.0, broadcast(1.0), V{}); }
+template <int n, bool second>
+VISVIVA_INLINE Jet<n, second> is_positive(const Jet<n, second>& u) {
+    return Jet<n, second>::constant(is_positive(u.v));
+}
+
 /// The positive part
 VISVIVA_INLINE V positive(V u) { return vmax(u, V{}); }
 template <int n, bool second>
 VISVIVA_INLINE Jet<n, second> positive(const Jet<n, second>& u) {
-    return chain(u, positive(u.v), select(u.v > 0.0, broadcast(1.0), V{}), V{});
+    return chain(u, positive(u.v), is_positive(u.v), V{});
 }
 
 }  // namespace visviva::VISVIVA_ISA

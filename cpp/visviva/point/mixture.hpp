@@ -326,7 +326,7 @@ struct SmoothPairing {
         const T x = c + (-p[mixture::mobility_centre]);
         T slope = 0.0 * c;
         for (int k = mixture::degree; k >= 1; --k) slope = slope * x + double(k) * a[k];
-        return slope;
+        return slope * is_positive(mobility(c, p));
     }
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {

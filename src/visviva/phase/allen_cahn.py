@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
+from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.mesh.generate import MeshSource
@@ -81,6 +82,13 @@ class AllenCahn(PhaseBody):
     def __post_init__(self) -> None:
         self._mobility = mobility_of(self.label, self.mobility)
         self._prepare(self.order)
+        still = np.flatnonzero(self._mobility.values(self.start_values) <= 0)
+        if len(still):
+            at = ", ".join(f"{x:.4g}" for x in self.points[still[0]])
+            raise InputError(
+                f"{self.label}: its mobility vanishes at the order {self.start_values[still[0]]:g} of the start, at "
+                f"({at}): give one that does not"
+            )
 
     def declare(self, model: Model) -> None:
         c = self.space.fitted(self.start_values)

@@ -30,6 +30,7 @@ from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy
 from visviva.phase.mobility import Mobility
+from visviva.phase.phase_body import first_point, missed_mobility
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -168,16 +169,10 @@ class MixtureSolid(Limited, Solid):
         )
 
     def invalid(self, x: Array) -> str:
-        """Points where concentrations leave no length or stiffness."""
-        first = 0
-        for table in self.space.cells():
-            c = table.at(self.coefficients(x))
-            if np.any(lost := self._least(c) <= 0):
-                e, q = np.argwhere(lost)[0]
-                at = ", ".join(f"{X:.4g}" for X in table.X[e, q])
-                return f"element {first + e} of {self.label} near ({at}): {self._said(float(c[e, q]))}"
-            first += len(c)
-        return super().invalid(x)
+        """Points where concentrations leave no length or stiffness, or the mobility."""
+        c = self.coefficients(x)
+        lost = first_point(self.label, self.space, c, lambda values: self._least(values) <= 0, self._said)
+        return lost or missed_mobility(self.chemistry, self.label, c) or super().invalid(x)
 
     def _stiffness(self, off: Array) -> Array:
         return np.asarray(np.polynomial.polynomial.polyval(off, self._moduli))

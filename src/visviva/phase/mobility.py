@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.arguments import Unchanging
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import settings
 from visviva.component.values import Function, Number
@@ -50,6 +50,14 @@ class Mobility(Unchanging):
         """Mobilities (...) at compositions (...)."""
         return np.asarray(np.maximum(self.polynomial(c - self.centre), 0.0))
 
+    def missed(self, c: Array) -> NDArray[np.bool_]:
+        """At which compositions (...) its polynomial is not what it stands for."""
+        return np.zeros(np.shape(c), dtype=bool)
+
+    def missing(self, c: float) -> str:
+        """Say why it is not at a composition where it is `missed`."""
+        return ""
+
 
 @dataclass(config=settings, kw_only=True)
 class DegenerateMobility(Mobility):
@@ -87,6 +95,9 @@ class DegenerateMobility(Mobility):
 class UserMobility(Mobility):
     """The user's own mobility: a function of compositions (n,), taken as its Chebyshev polynomial of degree 7.
 
+    Beyond low and high, where it is fitted, the function is asked at the end of every step, less than zero being taken
+    for none: a step may end where the polynomial is off by the tolerance at most, and is refused elsewhere.
+
     Parameters
     ----------
     function : callable
@@ -94,7 +105,7 @@ class UserMobility(Mobility):
     low, high : float
         The compositions that occur.
     tolerance : float
-        By how much of its largest value the polynomial may be off.
+        By how much of its largest value from low to high the polynomial may be off.
 
     Examples
     --------
@@ -130,11 +141,36 @@ class UserMobility(Mobility):
         plain: Array = np.asarray(Chebyshev(series.coef).convert(kind=Polynomial).coef, dtype=float)
         self.polynomial = Polynomial(plain / half ** np.arange(len(plain)))
         off = float(np.abs(self.values(c) - given).max())
-        if off > self.tolerance * np.abs(given).max():
+        self._allowed = self.tolerance * float(given.max())
+        if off > self._allowed:
             raise InputError(
                 f"UserMobility: a polynomial of degree {COEFFICIENTS - 1} is off by {off:.2g}, more than "
                 f"{self.tolerance:g} of the largest value; give the range of compositions, or a smoother function"
             )
+
+    def missed(self, c: Array) -> NDArray[np.bool_]:
+        found = np.asarray((c < self.low) | (c > self.high))
+        if np.any(found):
+            beyond = np.asarray(c)[found]
+            found[found] = ~(np.abs(self.values(beyond) - self._given(beyond)) <= self._allowed)
+        return found
+
+    def missing(self, c: float) -> str:
+        end = f"below low = {self.low:g}" if c < self.low else f"above high = {self.high:g}"
+        given, taken = self._given(np.array([c]))[0], self.values(np.array(c))
+        return (
+            f"{c:.6g} is {end} of its UserMobility, whose polynomial gives {taken:.4g} there, and whose function "
+            f"{given:.4g}: give low and high of all compositions that occur"
+        )
+
+    def _given(self, c: Array) -> Array:
+        """What the function gives (n,), not negative; nan where it has no values."""
+        try:
+            with named("UserMobility: its function"), np.errstate(all="ignore"):
+                given = np.asarray(self.function(c), dtype=float)
+        except RunError:
+            return np.full(c.shape, np.nan)
+        return np.asarray(np.maximum(given, 0.0))
 
 
 @dataclass(config=settings, kw_only=True)
@@ -189,7 +225,13 @@ class ArrheniusMobility(Mobility):
                 f"ArrheniusMobility: nothing moves at temperature = {now:g} with activation = "
                 f"{self.activation:g}; check their units"
             )
-        self.centre, self.polynomial = base.centre, share * base.polynomial
+        self.centre, self.polynomial, self._base = base.centre, share * base.polynomial, base
+
+    def missed(self, c: Array) -> NDArray[np.bool_]:
+        return self._base.missed(c)
+
+    def missing(self, c: float) -> str:
+        return self._base.missing(c)
 
     def at(self, time: float) -> Mobility:
         return replace(self, temperature=temperature_at(self, time)) if self.changes else self

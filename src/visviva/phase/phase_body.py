@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError, nearest
 from visviva.body.space import MeshSpace, ScalarSpace, Table
 from visviva.body.spline_space import SplineSpace
+from visviva.component.limited import Limited
 from visviva.component.meshed import Meshed, refuse_thickness
 from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
@@ -37,7 +38,7 @@ NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
 
 
-class PhaseBody(Meshed):
+class PhaseBody(Limited, Meshed):
     """Base of bodies with a concentration or an order parameter.
 
     Attributes
@@ -77,6 +78,7 @@ class PhaseBody(Meshed):
         refuse_thickness(self.label, self.thickness, self.grid.points.shape[1])
         self.start_values = self._sampled(given)
         self._refuse_outside()
+        self._refuse_missed()
         self._refuse_thin_interfaces()
 
     def _space(self) -> ScalarSpace:
@@ -111,6 +113,12 @@ class PhaseBody(Meshed):
                 f"logarithms of {type(self.free_energy).__name__}, which hold "
                 f"between {low:g} and {high:g}; start a little inside"
             )
+
+    def _refuse_missed(self) -> None:
+        missed = np.flatnonzero(self._mobility.missed(self.start_values))
+        if len(missed):
+            said = self._mobility.missing(float(self.start_values[missed[0]]))
+            raise InputError(f"{self.label}: at the start {self._a} of {said}")
 
     @property
     def range(self) -> tuple[float, float]:
@@ -239,7 +247,17 @@ class PhaseBody(Meshed):
                 raise InputError(f"{self.label} has no field {name!r}{nearest(name, self.widths())}")
         return {name: self._shown(name, x) for name in names}
 
+    def invalid(self, x: Array) -> str:
+        """Points where its mobility is not the user's."""
+        return missed_mobility(self, self.label, self.coefficients(self.phase, x))
+
+    @property
+    def _a(self) -> str:
+        return "an order" if self.quantity == "order" else f"a {self.quantity}"
+
     def trouble(self, x: Array) -> str:
+        if found := self.invalid(x):
+            return found
         low, high = self.free_energy.domain
         c = self.values(x)
         worst = int(np.argmax(np.maximum(low - c, c - high)))
@@ -250,6 +268,33 @@ class PhaseBody(Meshed):
             f"{self.label} has a {self.quantity} of {c[worst]:.4g} at node {worst} near ({at}), outside of the "
             f"logarithms of {type(self.free_energy).__name__}; shorter steps stay inside"
         )
+
+
+def missed_mobility(body: PhaseBody, label: str, c: Array) -> str:
+    """Where coefficients `c` leave the mobility of a body that is called so, in a sentence; empty if nowhere."""
+    mobility = body._mobility
+    return first_point(
+        label, body.space, c, mobility.missed, lambda value: f"{body._a} of {mobility.missing(value)}"
+    )
+
+
+def first_point(
+    label: str,
+    space: ScalarSpace,
+    coefficients: Array,
+    test: Callable[[Array], NDArray[np.bool_]],
+    said: Callable[[float], str],
+) -> str:
+    """The first point of quadrature whose value fails a test, and what is said of it; empty if none does."""
+    first = 0
+    for table in space.cells():
+        c = table.at(coefficients)
+        if np.any(found := test(c)):
+            e, q = np.argwhere(found)[0]
+            at = ", ".join(f"{X:.4g}" for X in table.X[e, q])
+            return f"element {first + e} of {label} near ({at}): {said(float(c[e, q]))}"
+        first += len(c)
+    return ""
 
 
 def full(tensor: Array) -> Array:
