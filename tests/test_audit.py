@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -75,6 +76,38 @@ def test_a_mixture_excuses_no_gain_of_others() -> None:
     system = vv.System([ball, vv.UserTerm(term=Leak(), on=[ball]), mixture])
     verdict = energy_verdict(vv.simulate(system, until=1.0, step=0.1, scheme=vv.BDF2()))
     assert verdict.startswith("WRONG, as this scheme is to dissipate energy")
+
+
+@pytest.mark.parametrize("beside", ["mixture", "heat"])
+def test_a_solid_that_cracks_excuses_no_gain_of_others(beside: str) -> None:
+    """What it stores has the name of what a mixture stores, and is larger than what the ball gains."""
+    if beside == "heat":
+        spreading: Any = vv.HeatStore(capacity=1e-3, temperature=300.0)
+    else:
+        spreading = vv.CahnHilliard(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+            free_energy=vv.DoubleWell(barrier=1e-3),
+            gradient_energy=1e-3,
+            concentration=lambda X: 0.5 + 0.01 * X[:, 0],
+        )
+    cracks = vv.FracturingSolid(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
+        material=vv.SaintVenantKirchhoff(young=1000.0, poisson=0.0),
+        density=100.0,
+        toughness=40.0,
+        length=1.0,
+        velocity=lambda X: 0.5 * X * [1.0, 0.0, 0.0],
+    )
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    leaks = vv.UserTerm(term=Leak(), on=[ball])
+    verdicts, parts = [], [cracks, ball, spreading]
+    for system in (vv.System(deepcopy(parts)), vv.System([*parts, leaks])):
+        result = vv.simulate(system, until=1.0, step=0.01, scheme=vv.BDF2())
+        verdicts.append(energy_verdict(result))
+    gained, stored = result.ledger.greatest("imbalance"), result.ledger.swing("potential_stored")
+    assert 0.1 < gained < 0.9 * stored
+    assert not verdicts[0].startswith("WRONG")
+    assert verdicts[1].startswith("WRONG, as this scheme is to dissipate energy")
 
 
 def lines(result: vv.Result) -> dict[str, str]:

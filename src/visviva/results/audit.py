@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from visviva.body.mesh_body import MeshBody
 from visviva.component.announcements import Unbooked
 from visviva.flow.fluid import Fluid
-from visviva.model.field import Role
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
@@ -207,29 +206,15 @@ def energy_verdict(result: Result) -> str:
     if CONSERVED < gained <= missed:
         of = " and ".join([*ledger.works, *ledger.heats])
         return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    by_spread = CONSERVED < gained <= _spread(result) / ledger.energy_scale
-    if (
-        not scheme.dissipates or ledger.entropy or ledger.heats or by_spread
-    ):  # it damps motion, the rest either way
+    spread = ledger.sizes.spread.swing / ledger.energy_scale if ledger.sizes.spread else 0.0
+    by_spread = gained <= spread and (gained > CONSERVED or ledger.entropy or ledger.heats)
+    if not scheme.dissipates or by_spread:  # it damps motion, the rest either way
         return "not meant to be conserved by this scheme, see how it falls with the step"
     if gained > OVERSHOOT * lost + CONSERVED:
         return (
             "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"
         )
     return "dissipated by the scheme"
-
-
-def _spread(result: Result) -> float:
-    """What was stored and dissipated by components with contents: sums over steps may miss as much, of theirs alone."""
-    model, ledger = result.system.model, result.ledger
-    of = {model.index(f.component) for f in model.fields if f.role is Role.CONTENT}
-    columns = {"potential": "potential", "work": "work", "dissipation": "work"}
-    booked = {
-        f"{columns[a.category]}_{a.kind}"
-        for a in model.accounts
-        if a.component in of and a.category in columns
-    }
-    return sum(map(ledger.swing, sorted(booked)))
 
 
 def momentum_judgements(result: Result) -> list[Judgement]:

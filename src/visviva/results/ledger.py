@@ -18,6 +18,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.spread import Spread
 from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning, undisturbed
@@ -56,6 +57,8 @@ class Sizes:
         Their power on what flows if it did so with the speed that is large in it.
     inner : tuple of str
         Kinds of potentials of components that move, of which forces come.
+    spread : Spread, optional
+        What components with contents stored and lost so far; a ledger that was read has none.
     """
 
     mass: float = 0.0
@@ -63,6 +66,7 @@ class Sizes:
     pull: float = 0.0
     power: float = 0.0
     inner: tuple[str, ...] = ()
+    spread: Spread | None = None
 
 
 @dataclass(repr=False)
@@ -296,6 +300,7 @@ class Bookkeeper:
     done : array
         Work and heat so far by kind.
     entropy : EntropyBooks
+    spread : Spread
     total0 : float or None
         Energy of the initial state, None before its row is booked.
     """
@@ -306,12 +311,14 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
+        self.spread = Spread(system.model)
         mass = sum(c.total_mass for c in system.components)
         self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            sizes = Sizes(mass, system.model.length, *force_scale(system), inner_potentials(system))
+            forces = force_scale(system)
+            sizes = Sizes(mass, system.model.length, *forces, inner_potentials(system), self.spread)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -333,6 +340,7 @@ class Bookkeeper:
 
     def book(self, time: float, core: Any) -> Array:
         """Add the row of the step that the core has just accepted (or of the initial state)."""
+        self.spread.add(core)
         energy = core.energy
         kinetic = self._kinetic @ energy
         potential = self._potential @ energy

@@ -52,7 +52,12 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
     """Records of the present state, which do not change with it."""
     system = result.system
     total0 = 0.0 if books.total0 is None else books.total0
-    ledger = {"done": books.done, "entropy": books.entropy.done, "span": books.ledger.span}
+    ledger = {
+        "done": books.done,
+        "entropy": books.entropy.done,
+        "span": books.ledger.span,
+        "spread": books.spread.span,
+    }
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
         Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
@@ -113,7 +118,10 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         setattr(result.statistics, statistic.name, statistics.values[statistic.name])
     books.done, books.total0 = ledger.arrays["done"], float(ledger.values["total0"])
     books.entropy.done = ledger.arrays.get("entropy", books.entropy.done)
-    books.ledger.span = ledger.arrays["span"]
+    books.ledger.span, books.spread.span = (
+        ledger.arrays["span"],
+        ledger.arrays.get("spread", books.spread.span),
+    )
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
