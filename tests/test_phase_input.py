@@ -69,6 +69,15 @@ def test_nodes_are_as_far_apart_as_a_grid_has_them(mesh: Any, spacing: float) ->
         (lambda: arrhenius(activation=-1.0), "activation = -1 is negative"),
         (lambda: arrhenius(base=-1.0), "ArrheniusMobility: mobility = -1 is not positive"),
         (lambda: arrhenius(activation=5e7), "nothing moves at temperature = 300"),
+        (
+            lambda: body(
+                free_energy=vv.UserFreeEnergy(
+                    function=lambda c: np.where(c > 0, c * np.log(np.where(c > 0, c, 1.0)), np.nan)
+                )
+            ),
+            "CahnHilliard 'alloy': UserFreeEnergy: it returned [nan] at the strains [0.0]; phases are looked for from "
+            "0 to 1: take vv.FloryHuggins",
+        ),
         (lambda: vv.DegenerateMobility(scale=-1.0), "scale = -1 is not positive"),
         (lambda: vv.UserMobility(function=lambda c: c - 0.5), "it is -0.5 at c = 0; it must not be negative"),
         (lambda: vv.UserMobility(function=lambda c: np.abs(c - 0.5)), "a polynomial of degree 7 is off by"),

@@ -160,7 +160,7 @@ UP = [0, 0, 1, 1]
         ),
         (
             lambda: mixture(ring().refined(2), periodic=[("x0", "x1")]),
-            "not smooth across the ends of direction 0",
+            "nothing says that it is smooth across the ends of direction 0",
         ),
         (lambda: mixture(ring().refined(4), form="direct"), "sides without flux of vv.SplineBox alone"),
         (
@@ -179,6 +179,53 @@ UP = [0, 0, 1, 1]
 def test_refusals(make: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         make()
+
+
+def test_a_patch_that_is_not_smooth_where_it_is_wrapped_has_no_direct_form() -> None:
+    """A knot that stands twice there: first derivatives jump, as at one within."""
+    along, across = np.array([-2.0, 0, 0, 1, 2, 4, 4, 5, 6]), np.array([0.0, 0, 0, 1, 2, 3, 4, 4, 4])
+    places = [[np.mean(t[i + 1 : i + 3]) for i in range(6)] for t in (along, across)]
+    patch = vv.SplinePatch(
+        degrees=(2, 2),
+        knots=(along, across),
+        control=np.stack(np.meshgrid(*places, indexing="ij"), axis=-1),
+        wrapped=(0,),
+    )
+    assert patch.smoothness == 0
+    mixture(patch, gradient_energy=30.0, periodic=[("x0", "x1")])
+    with pytest.raises(vv.InputError, match="form = 'direct' needs splines whose first derivatives are"):
+        mixture(patch, gradient_energy=30.0, periodic=[("x0", "x1")], form="direct")
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_concentrations_of_sides_that_meet(degree: int) -> None:
+    """Each side fits the same function by itself, a little otherwise in the corner: they contradicted each other."""
+
+    def given(t: float, X: Array) -> Array:
+        return np.asarray(0.5 + 0.1 * np.sin(3 * X[:, 0] + 2 * X[:, 1]) * (1 + t))
+
+    errors = []
+    for n in (4, 8):
+        body = mixture(
+            vv.SplineBox(size=(1.1, 0.7), counts=(n, n), degree=degree), concentration=lambda X: given(0.0, X)
+        )
+        sides = [
+            vv.PrescribedConcentration(body=body, nodes=side, value=given)
+            for side in ("x0", "y0", "x1", "y1")
+        ]
+        system = vv.System([body, *sides])
+        result = vv.simulate(system, until=0.2, step=0.1)
+        assert result.conservation()["energy"] < 1e-10
+        edge = np.unique(np.concatenate([body.nodes(side) for side in ("x0", "y0", "x1", "y1")]))
+        errors.append(np.abs(body.values(system.x) - given(0.2, body.points))[edge].max())
+    assert np.log2(errors[0] / errors[1]) > degree + 0.5
+
+
+def test_concentrations_of_sides_that_contradict_each_other() -> None:
+    body = mixture(vv.SplineBox(size=(1, 1), counts=(4, 4), degree=2))
+    sides = [vv.PrescribedConcentration(body=body, nodes=n, value=c) for n, c in (("x0", 0.5), ("y0", 0.6))]
+    with pytest.raises(vv.InputError, match=r"at concentrations of 0.5 and 0.6 at t = 0"):
+        vv.System([body, *sides])
 
 
 def test_sources_of_the_direct_form_bring_their_potential_and_the_audit_says_what_no_account_has() -> None:

@@ -207,7 +207,11 @@ class SplinePatch(SplineSource):
             t = self.knots[k]
             inside = t[p + 1 : len(t) - p - 1]
             inside = inside[(inside > t[p]) & (inside < t[len(t) - p - 1])]
-            found.append(int(np.unique(inside, return_counts=True)[1].max(initial=1)))
+            most = int(np.unique(inside, return_counts=True)[1].max(initial=1))
+            ends = (
+                [int(np.count_nonzero(t == t[at])) for at in (p, len(t) - p - 1)] if k in self.wrapped else []
+            )
+            found.append(max([most, *ends]))
         return found
 
     # --- evaluation ----------------------------------------------------------------------------------------
@@ -355,10 +359,10 @@ class SplinePatch(SplineSource):
         )
 
     def parts(self, periodic: Sequence[int] = ()) -> tuple[SplinePatch, ...]:
-        if set(periodic) - set(self.wrapped):
+        if missing := set(periodic) - set(self.wrapped):
             raise InputError(
-                f"SplinePatch: it is not smooth across the ends of direction {min(set(periodic) - set(self.wrapped))}; "
-                "vv.SplineBox is where it is periodic"
+                f"SplinePatch: nothing says that it is smooth across the ends of direction {min(missing)}: repeat its "
+                "first control points at its end and say wrapped=..., or take vv.SplineBox where that is its shape"
             )
         return (self.clamped(k for k in range(self.dimension) if k not in periodic),)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visviva.base.errors import InputError, nearest
+from visviva.base.errors import InputError, NotFinite, nearest
 from visviva.body.space import MeshSpace, ScalarSpace, Table
 from visviva.body.spline_space import SplineSpace
 from visviva.component.limited import Limited
@@ -134,7 +134,14 @@ class PhaseBody(Limited, Meshed):
         return interface(self.free_energy, float(np.linalg.eigvalsh(full(self._tensor)).min()), self.range)
 
     def _refuse_thin_interfaces(self) -> None:
-        found = self.interface()
+        try:
+            found = self.interface()
+        except NotFinite as error:
+            low, high = self.range
+            raise InputError(
+                f"{self.label}: {error}; phases are looked for from {low:g} to {high:g}: take vv.FloryHuggins or "
+                "vv.RegularSolution for logarithms, or let it have values there too, where c * np.log(c) has none at 0"
+            ) from None
         if found is not None and found.width < 2 * self.space.spacing * (1 - 1e-9):
             wider = 2 * self.space.spacing / found.width
             raise InputError(

@@ -172,44 +172,58 @@ class PrescribedConcentration(Component):
 
     def declare(self, model: Model) -> None:
         model.index(self.body)
-        others = [c for c in model.announced(self.body, PrescribedConcentration) if c is not self]
-        both = [(c, *np.intersect1d(self._held, c._held, return_indices=True)[1:]) for c in others]
-        self._beside = [(other, mine, theirs) for other, mine, theirs in both if len(mine)]
+        every = model.announced(self.body, PrescribedConcentration)
+        self._others = [c for c in every if c is not self]
+        before = [c._held for c in every[: every.index(self)]]
+        self._own = ~np.isin(self._held, np.concatenate([np.zeros(0, dtype=int), *before]))
         try:
             self.wanted(0.0)
         except RunError as error:
             raise InputError(str(error)) from error
-        self.inflow = model.multipliers(self, "inflow", len(self._held), instantaneous=False)
+        self.inflow = model.multipliers(self, "inflow", int(self._own.sum()), instantaneous=False)
 
     def wanted(self, time: float) -> Array:
-        """Coefficients (k,) of what is held, which others that hold some of them say, too.
+        """Coefficients (k,) of what is held, but for what others before hold already.
+
+        Sides of splines that meet fit the same values each by itself, which gives another one where they meet.
 
         Raises
         ------
         RunError
-            If they do not.
+            If others give the same places other concentrations.
         """
-        c = self._coefficients(time)
-        for other, mine, theirs in self._beside:
-            own, given = c[mine], other._coefficients(time)[theirs]
-            worst = int(np.argmax(np.abs(own - given)))
-            if abs(own[worst] - given[worst]) > 1e-9 * np.abs(c).max():
-                raise RunError(
-                    f"{self.label} and {other.label} hold the same place of {self.body.label}, at concentrations of "
-                    f"{own[worst]:g} and {given[worst]:g} at t = {time:g}: give both the same, or take its nodes "
-                    "out of one of them"
-                )
-        return c
+        for other in self._others:
+            self._refuse_contradiction(other, time)
+        return self._coefficients(time)[self._own]
 
-    def _coefficients(self, time: float) -> Array:
+    def _refuse_contradiction(self, other: PrescribedConcentration, time: float) -> None:
+        """Refuse nodes that another gives another concentration."""
+        _, mine, theirs = np.intersect1d(self._number, other._number, return_indices=True)
+        own, given = self._given(time), other._given(time)
+        apart = np.abs(own[mine] - given[theirs])
+        if apart.max(initial=0.0) > 1e-9 * max(np.abs(own).max(), np.abs(given).max()):
+            worst = int(np.argmax(apart))
+            raise RunError(
+                f"{self.label} and {other.label} hold the same place of {self.body.label}, at concentrations of "
+                f"{own[mine][worst]:g} and {given[theirs][worst]:g} at t = {time:g}: give both the same, or take its "
+                "nodes out of one of them"
+            )
+
+    def _given(self, time: float) -> Array:
+        """At its nodes."""
         values = self._values.at(time, self.body.points[self._chosen])
         refuse_apart(self.label, "concentration", self._number, values, time)
-        return self.body.space.fitted_on(self._chosen, values)
+        return values
+
+    def _coefficients(self, time: float) -> Array:
+        return self.body.space.fitted_on(self._chosen, self._given(time))
 
     def contribute(self, model: Model) -> None:
         assert self.body.potential is not None
-        unknowns = [f.start + self._held for f in (self.body.phase, self.body.potential)]
-        unknowns.append(self.inflow.start + np.arange(len(self._held)))
+        if not np.any(self._own):
+            return
+        unknowns = [f.start + self._held[self._own] for f in (self.body.phase, self.body.potential)]
+        unknowns.append(self.inflow.start + np.arange(self.inflow.size))
         model.term(self, Inflow(np.stack(unknowns, axis=1).astype(np.int32), self.wanted))
 
 
