@@ -5,12 +5,14 @@ Walls that end at the face still stop what is driven against them.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.study.run import run
 
 SIZE = (0.4, 0.4, 0.1)
 SHAPES = ["box", "mesh", "finer"]
@@ -162,6 +164,67 @@ def test_boxes_slide_over_seams_beside_which_they_stick_out(
     above = thrown(kind, (-0.3, y, 0.1), angle, (0.7, 0))
     options = {"size": (0.6, width, 0.1), "exchanged": exchanged}
     keeps_its_motion(kind, [-0.3, 0.3], above, loaded, 0.5, 0.5 / 60, **options)
+
+
+def sunk_in(
+    kind: str, y: float, angle: float, width: float, exchanged: bool
+) -> tuple[list[Any], vv.RigidBody]:
+    """A loaded box on its way over the seam of two floors, which carry it by a penalty."""
+    below, parts = held(kind, [-0.3, 0.3], (0.6, width, 0.1))
+    above = thrown(kind, (-0.3, y, 0.1), angle, (0.7, 0))
+    pairs = [(b, above) if exchanged else (above, b) for b in below]
+    contacts = [vv.Contact(first=a, second=b, enforcement="penalty", stiffness=1e7) for a, b in pairs]
+    return [*parts, above, *contacts, vv.Gravity()], above
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize(
+    ("y", "angle", "width"), [(0, 0, 1.0), (0.1, 0.4, 1.0), (0, 0, 0.5), (0.1, 0, 0.5), (0.1, 0.4, 0.3)]
+)
+def test_boxes_sunk_in_by_a_penalty_slide_over_seams(
+    kind: str, exchanged: bool, y: float, angle: float, width: float
+) -> None:
+    """Corners lay below the top of the next floor by m g / 4 k, and its wall threw them back."""
+    parts, above = sunk_in(kind, y, angle, width, exchanged)
+    system = vv.System(parts)
+    result = vv.simulate(system, until=0.5, step=0.5 / 60)
+    assert vv.Velocity(of=above)(system)[:2] == pytest.approx((0.7, 0), abs=1e-3 * 0.7)
+    assert vv.Position(of=above)(system)[2] == pytest.approx(0.1, abs=1e-4)
+    result.assert_conserved("energy", tolerance=1e-9)
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_runs_over_seams_are_resumed_to_the_bit(kind: str, exchanged: bool, tmp_path: Path) -> None:
+    """Cut where corners come to the seam, are at it, and beyond: how deep they lie is known there as before."""
+
+    def study(end: int) -> vv.Study:
+        return vv.Study(vv.System(sunk_in(kind, 0.1, 0.4, 1.0, exchanged)[0]), end / 120, 1 / 120)
+
+    whole = run(study(60), tmp_path / "whole", pictures=False)
+    for end in (9, 12, 18, 24, 31):
+        run(study(end), tmp_path / f"{end}", pictures=False)
+        parts = run(study(60), tmp_path / f"{end}", resume=True, pictures=False)
+        for name in ("x", "v"):
+            np.testing.assert_array_equal(getattr(parts.system, name), getattr(whole.system, name))
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("high", [1e-3, 0.02])
+def test_steps_stop_what_slides_against_them_by_a_penalty(kind: str, high: float) -> None:
+    """The same floors, of which the next one is higher, by more than the box has sunk in: 4e-6."""
+    below, parts = held(kind, [-0.3], (0.6, 1, 0.1))
+    step = vv.RigidBody(shape=shape_of(kind, (0.6, 1, 0.1)), density=1e3, position=(0.3, 0, high))
+    above = thrown(kind, (-0.3, 0.05, 0.1), 0, (0.7, 0))
+    contacts = [
+        vv.Contact(first=above, second=b, enforcement="penalty", stiffness=1e7) for b in [*below, step]
+    ]
+    hold = vv.Rigid(a=parts[0], b=step, at=(0, 0, 0))
+    system = vv.System([*parts, step, hold, above, *contacts, vv.Gravity()])
+    vv.simulate(system, until=0.16, step=1 / 400)
+    assert vv.Velocity(of=above)(system)[0] < -0.3
+    assert vv.Position(of=above)(system)[0] < -0.19
 
 
 @pytest.mark.parametrize("kind", SHAPES)

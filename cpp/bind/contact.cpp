@@ -258,6 +258,7 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
             "stand_beside",
             [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },
             nb::arg("other"))
+        .def("lie_beside", &ContactTerm::lie_beside, nb::arg("other"))
         .def_prop_ro("costs",
                      [](const ContactTerm& t) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};

@@ -16,7 +16,7 @@ constexpr double moved = 0.03;
 }  // namespace
 
 ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, double reach)
-    : TermMemory("contact", 4),
+    : TermMemory("contact", 5),
       gaps_(std::move(gaps)),
       options_(std::move(options)),
       search_(reach),
@@ -28,6 +28,7 @@ ContactTerm::ContactTerm(std::shared_ptr<Gaps> gaps, ContactOptions options, dou
     for (auto* a : {&slips_, &slips_at_tangent_, &covered_}) a->assign(n, 0);
     if (has_multipliers()) gaps_->keep_sides();
     if (rebounds()) landings_.resize(gaps_->skin().constant.size(), n, in_flight);
+    if (sags()) pressed_.resize(gaps_->skin().constant.size(), n, 0);
     at_start_.resize(n), at_theta_.resize(n), at_end_.resize(n), masses_.resize(n);
     if (!has_friction()) return;
     const Eigen::Vector2d none = Eigen::Vector2d::Zero();
@@ -71,6 +72,7 @@ void ContactTerm::write_memory(std::vector<double>& m) const {
     search_.write(m);
     gaps_->write_memory(m);
     if (rebounds()) landings_.write(m);
+    if (sags()) pressed_.write(m);
     if (keeps_slides()) slid_.write(m);
     if (has_history()) elastic_.write(m);
     if (!has_multipliers()) m.push_back(let_go_);
@@ -86,6 +88,7 @@ bool ContactTerm::read_memory(const double*& m) {
     const bool changed = search_.read(m, *gaps_);
     gaps_->read_memory(m);
     if (rebounds()) landings_.read(m);
+    if (sags()) pressed_.read(m);
     if (keeps_slides()) slid_.read(m);
     if (has_history()) elastic_.read(m);
     if (!has_multipliers()) let_go_ = *m++;
@@ -115,9 +118,39 @@ void ContactTerm::begin(const double* x0) {
         const Stopwatch watch(costs_.segments);
         gaps_->values(X0_.data(), gap0_.data(), area0_.data());
     }
+    if (sags()) pressed_.begin_step(X0_), find_sags();
     if (rebounds()) landings_.begin_step(X0_);
     if (keeps_slides()) slid_.begin_step(X0_);
     if (has_history()) elastic_.begin_step(X0_);
+}
+
+// Of penalties of rigid bodies, along the force on the first one: as deep as they are, or as the pressure of
+// the last step makes them, where steps are longer than bodies swing.
+void ContactTerm::find_sags() {
+    const Stopwatch watch(costs_.segments);
+    const std::vector<double>& pressed = pressed_.at_start();
+    *sags_ = {};
+    std::vector<char> closed(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) closed[A] = area0_[A] > 0 && (gap0_[A] < 0 || pressed[A] > 0);
+    gaps_->gradients(X0_.data(), closed, at_start_);
+    for (int A = 0; A < gaps_->n(); ++A) {
+        if (!closed[A]) continue;
+        const auto& stencil = gaps_->stencil(A);
+        Eigen::Vector3d push = Eigen::Vector3d::Zero();
+        for (std::size_t v = 0; v < stencil.size(); ++v)
+            if (stencil[v] < gaps_->n_first())
+                push += Eigen::Map<const Eigen::Vector3d>(&at_start_[A].gradient[3 * v]);
+        const double deep = std::max(-gap0_[A], pressed[A] / options_.stiffness[A]) / area0_[A];
+        sags_->add(push, gaps_->offset(A) + deep);
+    }
+}
+
+// Once all contacts have begun the step.
+void ContactTerm::share_sags() {
+    shared_sags_ = X0_;
+    Sags all;
+    for (const auto& other : fellows_) all.add(*other);
+    if (gaps_->lie(std::move(all))) known_.clear(), forget_gradients();
 }
 
 void ContactTerm::settle() {
@@ -154,6 +187,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
         // a balance holds nothing in valleys
         segments([&] { gaps_->values(X0_.data(), gap0_.data(), area0_.data()); });
     }
+    if (sags() && X0_ != shared_sags_) share_sags();
     find_gaps();
     // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
     // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole
@@ -219,6 +253,7 @@ void ContactTerm::tangent(const Context& c, double* values) {
     active_.mark_tangent(), slips_at_tangent_ = slips_;
     gaps_->mark_tangent();
     if (rebounds()) landings_.mark_tangent(X0_);
+    if (sags()) pressed_.mark_tangent(X0_);
     if (keeps_slides()) slid_.mark_tangent(X0_);
     if (has_history()) elastic_.mark_tangent(X0_);
     std::vector<char> unpressed(gaps_->n());
@@ -282,6 +317,7 @@ void ContactTerm::accept(const Context& c) {
         elastic_.end_step(X0_, X1_, std::move(tractions));
     }
     if (rebounds()) keep_landings();
+    if (sags()) pressed_.end_step(X0_, X1_, S_);
     if (keeps_slides()) keep_slides();
     const std::vector<double> gap = gap1_, area = area1_;
     std::vector<long> places(gaps_->n());

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "visviva/base/stopwatch.hpp"
@@ -13,6 +14,7 @@
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/passage.hpp"
 #include "visviva/contact/piercing.hpp"
+#include "visviva/contact/sags.hpp"
 #include "visviva/contact/swept_search.hpp"
 #include "visviva/term/term.hpp"
 
@@ -99,6 +101,9 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
         beside_ = std::move(other);
     }
 
+    /// A penalty between one of the bodies and another one, beside which this one's may be flush.
+    void lie_beside(const ContactTerm& other) { fellows_.push_back(other.sags_); }
+
     /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
     /// of the rates of a scheme with a history at its end, which increments lag behind by half a step.
     void find_passages(const Context&, bool gradients, bool by_rates, std::vector<Passage>& out);
@@ -136,6 +141,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     double depth(int A, const std::vector<double>& gap, const std::vector<double>& area) const;
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();
+    void find_sags();
+    void share_sags();
     void find_gaps();
     void find_gradients();
     // Time spent in the segments, and not in the forces around them.
@@ -178,6 +185,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool may_rest(const Context&) const;
     void find_resting(const Context&);
     bool slides_straight() const;
+    // Whether rigid bodies lie in each other as deep as a penalty lets them.
+    bool sags() const { return options_.rigid && !has_multipliers(); }
     bool keeps_slides() const { return rebounds() && has_tangential(); }
     void keep_slides();
     bool has_several() const;
@@ -221,6 +230,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     SweptSearch search_;
     std::optional<Piercing> piercing_;
     std::shared_ptr<const ContactTerm> beside_;
+    GapMemory pressed_;                                      // of what sags, pressures
+    std::shared_ptr<Sags> sags_ = std::make_shared<Sags>();  // of its own gaps, where the step begins
+    std::vector<std::shared_ptr<const Sags>> fellows_;
+    std::vector<double> shared_sags_;  // the start of the step for which those of all were put together
     bool stands_beside_ = false;
     ActiveSet active_;
     ContactScatter scatter_;

@@ -5,8 +5,10 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "visviva/contact/sags.hpp"
 #include "visviva/contact/sight.hpp"
 #include "visviva/contact/skin.hpp"
 
@@ -53,7 +55,7 @@ class Gaps {
     /// Vertices of the first surface, which come before all others.
     virtual int n_first() const { return n_; }
     /// How many of them in turn are of the same vertices.
-    virtual int copies() const { return 1; }
+    int copies() const { return copies_; }
     /// Finds what may come into contact between two configurations and near them; true if that is something
     /// else than before.
     virtual bool search(const double* from, const double* to) = 0;
@@ -86,6 +88,11 @@ class Gaps {
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.
     virtual void keep_sides() {}
+    /// How deep the bodies lie in what carries them where a step begins; true if that is something else than
+    /// before.
+    bool lie(Sags sags) { return std::exchange(sags_, sags) != sags; }
+    /// How deep what is at a gap was found, which stores no energy.
+    virtual double offset(int /*gap*/) const { return 0; }
     /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
     bool lets_go(int gap) const { return !let_go_.empty() && let_go_[gap]; }
     /// The configuration where the last step begins is that of the kept tangent.
@@ -133,7 +140,8 @@ class Gaps {
         masses.segment<4>(origin) << heavy, 1, 1, 1;
     }
     Skin skin_;
-    int n_ = 0, unheld_ = 0;
+    Sags sags_;
+    int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
     std::vector<char> let_go_;
 };

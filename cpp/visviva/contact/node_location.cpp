@@ -229,19 +229,43 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
     return other < 0 ? side : other;
 }
 
+// Whether a vertex of a rigid body has sagged below a facet next to one, whose edge with that is convex.
+bool NodeToSegment::sagged(const double* X, int A, int side) const {
+    if (deforms(A)) return false;
+    const At x(X + 3 * A);
+    const Vector3 middle = shape(X, side).middle(0);
+    const int *own = skin_.corners(side), *end = own + skin_.n_corners(side);
+    return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
+        const int* corners = skin_.corners(c.facet);
+        if (std::find_first_of(own, end, corners, corners + skin_.n_corners(c.facet)) == end) return false;
+        const FacetShape facet = shape(X, c.facet);
+        for (int s = 0; s < facet.n_simplices(); ++s) {
+            const double deep = -facet.height(s, x);
+            if (deep > 0 && deep <= sags_.below(facet.normal(s)) &&
+                facet.height(s, middle) < -apart * facet.size() && looks(X, A, facet.normal(s)))
+                return true;
+        }
+        return false;
+    });
+}
+
+// Facets of a side that was sagged past are none that a vertex touches, also where they do not reach its
+// edge.
 int NodeToSegment::touched(const double* X, int A, int side) const {
-    if (side >= 0 && looks(X, A, shape(X, side).normal(0))) return side;
+    const bool passes = side >= 0 && sagged(X, A, side);
+    if (side >= 0 && !passes && looks(X, A, shape(X, side).normal(0))) return side;
     double least = HUGE_VAL;
-    side = Sides::nearest;
+    int other = Sides::nearest;
     for (const Candidate& c : candidates_[A]) {
         const FacetShape facet = shape(X, c.facet);
+        if ((passes && are_same(X, side, c.facet)) || sagged(X, A, c.facet)) continue;
         for (int s = 0; s < facet.n_simplices(); ++s) {
             const double distance = closest(facet, s, At(X + 3 * A)).distance;
             if (distance < least && facet.height(s, At(X + 3 * A)) < 0 && looks(X, A, facet.normal(s)))
-                least = distance, side = c.facet;
+                least = distance, other = c.facet;
         }
     }
-    return side;
+    return other;
 }
 
 // What lies outside is free. What lies inside is pushed back to where it faces, not out of the other side of

@@ -70,6 +70,7 @@ class NodeToSegment : public PointGaps {
     int touched(const double* X, int vertex, int side) const override;
 
   private:
+    bool sagged(const double* X, int vertex, int side) const;
     Reach locate(const double* X, int A, Found& found) const;
     Reach locate_held(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }

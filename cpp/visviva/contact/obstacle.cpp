@@ -95,6 +95,9 @@ class Obstacle : public PointGaps {
     int touched(const double* X, int vertex, int side) const override;
 
   private:
+    bool sagged(const double* X, int vertex, int side) const;
+    bool may_touch(const double* X, int vertex, int side) const;
+    Vector3 out(const double* X, const Vector3& gradient) const;
     Vector3 local(const double* X, const Vector3& x) const;
     Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
     bool reaches(const double* from, const double* to, int vertex) const;
@@ -204,19 +207,38 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
     return other < 0 ? side : other;
 }
 
-int Obstacle::touched(const double* X, int A, int side) const {
+// Of a side, the outward normal.
+Vector3 Obstacle::out(const double* X, const Vector3& gradient) const {
     const double* frame = X + 3 * (skin_.n_vertices() - 4);
+    Vector3 normal = Vector3::Zero();
+    for (int i = 0; i < 3; ++i) normal += gradient[i] / shape_.axis * (At(frame + 3 + 3 * i) - At(frame));
+    return normal;
+}
+
+bool Obstacle::sagged(const double* X, int A, int side) const {
+    if (deforms(A)) return false;
+    Scalar q[3];
+    const int n = excesses(shape_, local(X, A), q);
+    for (int k = 0; k < n; ++k) {
+        const Vector3 normal = out(X, q[k].d);
+        if (k != side && q[k].v < 0 && -q[k].v <= sags_.below(normal) && looks(X, A, normal)) return true;
+    }
+    return false;
+}
+
+bool Obstacle::may_touch(const double* X, int A, int side) const {
+    Scalar q[3];
+    excesses(shape_, local(X, nudged(X, A)), q);
+    return looks(X, A, out(X, q[side].d)) && !sagged(X, A, side);
+}
+
+int Obstacle::touched(const double* X, int A, int side) const {
+    if (side >= 0 && may_touch(X, A, side)) return side;
     Scalar q[3];
     const int n = excesses(shape_, local(X, nudged(X, A)), q);
-    auto may = [&](int k) {
-        Vector3 out = Vector3::Zero();
-        for (int i = 0; i < 3; ++i) out += q[k].d[i] / shape_.axis * (At(frame + 3 + 3 * i) - At(frame));
-        return looks(X, A, out);
-    };
-    if (side >= 0 && may(side)) return side;
     int other = Sides::nearest;
     for (int k = 0; k < n; ++k)
-        if (may(k) && (other < 0 || q[k].v > q[other].v)) other = k;
+        if ((other < 0 || q[k].v > q[other].v) && may_touch(X, A, k)) other = k;
     return other;
 }
 

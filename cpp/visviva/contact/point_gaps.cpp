@@ -13,7 +13,7 @@ using Matrix3 = Eigen::Matrix3d;
 using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
-    n_ = static_cast<int>(options_.areas.size());
+    n_ = static_cast<int>(options_.areas.size()), copies_ = options_.copies;
     stencils_.resize(n_), sides_.resize(n_), let_go_.resize(n_);
     Skin whole = skin_;
     if (!options_.facets.empty()) whole.facets = options_.facets;

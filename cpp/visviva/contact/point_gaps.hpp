@@ -21,9 +21,9 @@ class PointGaps : public Gaps {
     void grips(const double* X, const std::vector<char>& wanted, bool gradients,
                std::vector<Grip>& out) override;
     bool settle(const double* X) override;
-    int copies() const override { return options_.copies; }
     void keep_sides() override { keeps_ = true; }
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
+    double offset(int gap) const override { return sides_.of(gap).offset; }
     void mark_tangent() override { sides_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { sides_.write(m); }
     void read_memory(const double*& m) override { sides_.read(m); }
@@ -52,8 +52,8 @@ class PointGaps : public Gaps {
     virtual int entrance(const double* from, const double* to, int vertex) const = 0;
     virtual double depth(const double* X, int vertex, int side) const = 0;
     virtual bool are_same(const double* X, int side, int other) const = 0;
-    /// This side, if a corner of a rigid body may have touched it before its edges did, else the nearest that
-    /// it may.
+    /// This side, if a corner of a rigid body may have touched it before its edges did, and has not sagged
+    /// below another one beside it, else the nearest that it may.
     virtual int touched(const double* /*X*/, int /*vertex*/, int side) const { return side; }
     bool touches(const double* X, int vertex, int side) const { return touched(X, vertex, side) == side; }
     /// Whether a corner of a rigid body may touch a side with this normal: it faces that.

@@ -42,13 +42,13 @@ void read_side(const double*& m, Held& h) {
 class SharpGaps : public Gaps {
   public:
     SharpGaps(Skin skin, SharpOptions options);
-    int copies() const override { return n_; }
     int n_first() const override { return options_.n_vertices; }
     const std::vector<int>& neighbours(int) const override { return all_; }
     bool search(const double* from, const double* to) override;
     bool settle(const double* X) override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void keep_sides() override { keeps_ = true; }
+    double offset(int gap) const override { return held_.of(gap).offset; }
     void mark_tangent() override { held_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { m.push_back(unheld_), held_.write(m); }
     void read_memory(const double*& m) override {
@@ -73,6 +73,7 @@ class SharpGaps : public Gaps {
         double gap;
     };
     bool sees(const double* X, const Held&) const;
+    bool goes_by(const Held&) const;
     bool sees(const double* X, int gap) const { return sees(X, held_.of(gap)); }
     void find(const double* X, std::vector<Candidate>& found) const;
     Candidate candidate(const double* X, const Pair& pair) const;
@@ -89,8 +90,8 @@ class SharpGaps : public Gaps {
 };
 
 SharpGaps::SharpGaps(Skin skin, SharpOptions options)
-    : Gaps(std::move(skin)), options_(std::move(options)), pairs_(options_.parts, options_.depth) {
-    n_ = options_.n_gaps;
+    : Gaps(std::move(skin)), options_(std::move(options)), pairs_(options_.parts, options_.depth, sags_) {
+    n_ = copies_ = options_.n_gaps;
     stencils_.resize(n_), held_.resize(n_);
     std::vector<int> seen;
     for (int v = 0; v < skin_.n_vertices(); ++v) {
@@ -113,8 +114,8 @@ bool SharpGaps::search(const double* from, const double* to) {
 SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) const {
     const auto& held = held_.all();
     const auto before = std::find_if(held.begin(), held.end(), [&](const Held& h) { return h.pair == pair; });
-    const bool is_new = before == held.end(), stays = !is_new && before->meets;
     const double gap = pairs_.meeting(X, pair).distance, deep = std::max(-gap, 0.0);
+    const bool is_new = before == held.end(), stays = !is_new && before->meets && !goes_by(*before);
     Held next{pair, pairs_.meets(X, pair, -at_end, beside, stays), gap >= 0, 0};
     if (next.meets && !static_ && !keeps_ && !held_.start().empty())
         next.offset = is_new || !sees(X, *before) ? deep : std::min(before->offset, deep);
@@ -172,11 +173,17 @@ void SharpGaps::take_stencils() {
     }
 }
 
+// What has come in from outside, and been held, stays.
+bool SharpGaps::goes_by(const Held& held) const {
+    const bool is_free = !held_.start().empty() && (held.opens || held.offset > 0);
+    return is_free && pairs_.has_sagged(held_.start().data(), held.pair);
+}
+
 // What multipliers hold in time they hold for the whole of a step, wherever that leads.
 bool SharpGaps::sees(const double* X, const Held& held) const {
     if (held.pair.number < 0) return false;
     if (keeps_ && !static_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
-    if (!static_ && !held.meets && !held.opens) return false;
+    if (!static_ && ((!held.meets && !held.opens) || goes_by(held))) return false;
     return pairs_.meets(X, held.pair, -at_end, beside, held.meets && !static_);
 }
 

@@ -148,6 +148,31 @@ bool SharpPairs::passes_by(const double* X, const Pair& pair, const Meeting& m, 
     return inside(X, face(pair.number), foot, -m.normal) - in < -out * way;
 }
 
+// Of edges that end there, as upright ones of boxes, and of corners at the border of a face.
+bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
+    const Meeting m = meeting(X, pair);
+    const auto v = stencil(pair.number);
+    if (pair.number < n_crossing()) {
+        const double places[2] = {m.shares[1], -m.shares[3]};
+        for (int side : {0, 1}) {
+            const Vector3 e = At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side]);
+            const double from_end = std::min(places[side], 1 - places[side]) * e.norm();
+            if (std::abs(from_end) < sags_.below(e.normalized())) return true;
+        }
+        return false;
+    }
+    const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
+    const long f = face(pair.number);
+    double sag = 0;
+    for (int k = parts_.border_start[f]; k < parts_.border_start[f + 1]; k += 2) {
+        const Vector3 a = At(X + 3 * parts_.borders[k]), e = At(X + 3 * parts_.borders[k + 1]) - a;
+        const Vector3 out = e.cross(m.normal).normalized();
+        const double most = sags_.below(out);
+        if (std::abs((foot - a).dot(out)) < most) sag = std::max(sag, most);
+    }
+    return sag > 0 && passes_by(X, pair, m, inside(X, f, foot, -m.normal), sag);
+}
+
 bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond, double sine,
                             bool stays) const {
     const double places[2] = {m.shares[1], -m.shares[3]};

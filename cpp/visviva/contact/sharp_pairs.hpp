@@ -12,7 +12,8 @@ namespace visviva {
 
 class SharpPairs {
   public:
-    explicit SharpPairs(SharpParts parts, double depth) : parts_(std::move(parts)), depth_(depth) {}
+    SharpPairs(SharpParts parts, double depth, const Sags& sags)
+        : parts_(std::move(parts)), depth_(depth), sags_(sags) {}
 
     /// A pair, by its number among all of them, with the sign of its normal.
     struct Pair {
@@ -31,6 +32,9 @@ class SharpPairs {
     /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
     /// What `stays` met before: it came in there, and may be deeper than what is found in there.
     bool meets(const double* X, const Pair& pair, double beyond, double sine, bool stays = false) const;
+
+    /// Whether one body goes by there: it has sagged below the edge of the other one that meets it.
+    bool has_sagged(const double* X, const Pair& pair) const;
 
   private:
     long n_edges(int side) const {
@@ -63,6 +67,7 @@ class SharpPairs {
 
     SharpParts parts_;
     double depth_;
+    const Sags& sags_;
 };
 
 }  // namespace visviva

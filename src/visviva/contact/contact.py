@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -35,7 +36,7 @@ from visviva.contact.contact_remarks import conducted, remarks_of
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
-from visviva.contact.edges import edges_of
+from visviva.contact.edges import edges_of, lie_beside
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
 from visviva.contact.unseen import refuse_hidden, refuse_unseen
@@ -302,8 +303,17 @@ class Contact(Component):
             self._edges.contribute(model, (normal, tangential), layer, gaps.reach, self._share_left)
             self.term.stand_beside(self._edges.term)
         model.batch(self.term)
+        lie_beside(self, self._before(model))
         if self.condensed:
             self._condense(model)
+
+    def _before(self, model: Model) -> list[Contact]:
+        """Contacts of the same bodies that come before this one in the system."""
+        bodies = dict.fromkeys(body for body in (self.first, self.second) if body is not None)
+        about = [
+            takewhile(lambda other: other is not self, model.announced(body, Contact)) for body in bodies
+        ]
+        return list({id(other): other for others in about for other in others}.values())
 
     @property
     def _share_left(self) -> float:

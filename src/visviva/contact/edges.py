@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -149,6 +150,20 @@ class Edges:
                 f"{depth:.3g} at the start; move one of them, or give initial='press' to start under the pressure "
                 "that this overlap makes"
             )
+
+
+def lie_beside(contact: Contact, others: Sequence[Contact]) -> None:
+    """Let penalties of a contact and of others, which are before it, know how deep the rest lie in each other."""
+    own = _penalties(contact)
+    beside = [term for other in others for term in _penalties(other)]
+    for one, two in product(own, beside):
+        one.lie_beside(two)
+        two.lie_beside(one)
+
+
+def _penalties(contact: Contact) -> list[_core.ContactTerm]:
+    edges = [contact._edges.term] if contact._edges else []
+    return [contact.term, *edges] if contact.enforcement == "penalty" else []
 
 
 def edges_of(contact: Contact) -> Edges | None:
