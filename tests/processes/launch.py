@@ -24,11 +24,11 @@ def missing() -> list[str]:
 
 
 def launched(n: int, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run Python in so many processes, 0 for one without a launcher, with the packages of the repository.
+    """Run Python in so many processes, 0 for one without a launcher, with packages and tests of the repository.
 
     Those that wait for each other for ever are ended after a quarter of an hour.
     """
-    paths = os.pathsep.join(str(ROOT / part) for part in ("src", "petsc"))
+    paths = os.pathsep.join(str(ROOT / part) for part in ("src", "petsc", "tests"))
     command = [sys.executable, *arguments]
     if n:
         command = [str(shutil.which("mpiexec", path=BESIDE)), "-n", str(n), *command]
