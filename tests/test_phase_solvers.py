@@ -63,6 +63,19 @@ def test_iterations_do_not_depend_on_mesh_and_step(n: int, step: float) -> None:
     end(body, by_gmres(1e-6, 16), step, newton=1e-7)
 
 
+@pytest.mark.parametrize("unit", [1e-13, 1e13])
+@pytest.mark.parametrize("step", [1e-3, 20.0])
+def test_iterations_do_not_depend_on_units(unit: float, step: float) -> None:
+    """Volumes of 1e-39 are nothing in single precision, those of 1e39 too much."""
+    body = alloy(
+        vv.BoxMesh(size=(12 * unit,) * 3, counts=(6, 6, 6)),
+        gradient_energy=16.0 * unit**2,
+        mobility=5.0 * unit**2,
+        concentration=lambda X: 0.5 + 0.1 * np.cos(0.4 * X[:, 0] / unit) * np.cos(0.3 * X[:, 1] / unit),
+    )
+    end(body, by_gmres(1e-6, 16), step, newton=1e-7)
+
+
 def test_what_is_no_mixture_is_refused() -> None:
     solid = vv.Solid(
         mesh=vv.BoxMesh(size=(1, 1, 1), counts=(3, 3, 3)),

@@ -326,7 +326,7 @@ void ContactTerm::accept(const Context& c) {
     if (rebounds()) carry_landings(places, gap, area);
     let_go_ = 0;
     for (int A = 0; !has_multipliers() && A < gaps_->n(); ++A)
-        if (gaps_->lets_go(A)) let_go_ += potential(A, gap[A]);
+        if (gaps_->has_left(A)) let_go_ += potential(A, gap[A]);
     if (has_history() && !gaps_->are_of_vertices()) carry_tractions(places);
 }
 

@@ -94,7 +94,7 @@ class Gaps {
     /// How deep what is at a gap was found, which stores no energy.
     virtual double offset(int /*gap*/) const { return 0; }
     /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
-    bool lets_go(int gap) const { return !let_go_.empty() && let_go_[gap]; }
+    bool has_left(int gap) const { return !left_.empty() && left_[gap]; }
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}
     /// Memory of gaps: the way to where the last step began.
@@ -143,7 +143,7 @@ class Gaps {
     Sags sags_;
     int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
-    std::vector<char> let_go_;
+    std::vector<char> left_;
 };
 
 struct MortarOptions {

@@ -14,7 +14,7 @@ using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size()), copies_ = options_.copies;
-    stencils_.resize(n_), sides_.resize(n_), let_go_.resize(n_);
+    stencils_.resize(n_), sides_.resize(n_), left_.resize(n_);
     Skin whole = skin_;
     if (!options_.facets.empty()) whole.facets = options_.facets;
     if (!options_.facets.empty() || (skin_.n_first > 0 && deforms(0))) around_.build(whole);
@@ -121,7 +121,7 @@ bool PointGaps::settle(const double* X) {
         for (int A = 0; A < n_; ++A)
             if (is_inside(X, A)) sides[A] = find_side(X, A);
     });
-    for (int A = 0; A < n_; ++A) let_go_[A] = before[A].face >= 0 && sides_.of(A).face < 0;
+    for (int A = 0; A < n_; ++A) left_[A] = before[A].face >= 0 && sides_.of(A).face < 0;
     return changed;
 }
 

@@ -32,22 +32,27 @@ class Mixture : public Preconditioning {
         const double share = std::sqrt(beta_ / per_step_);
         double largest = 0;
         for (std::size_t k = 0; k < a.col.size(); ++k) {
-            const double flow = share * value(a, k, content, potential);
-            half_.value[k] = value(a, k, potential, potential) + flow;
-            coupling_.value[k] = static_cast<float>(flow);
+            half_.value[k] = value(a, k, potential, potential) + share * value(a, k, content, potential);
             largest = std::max(largest, half_.value[k]);
         }
         scale_ = 1 / largest;
+        for (std::size_t k = 0; k < a.col.size();
+             ++k) {  // volumes of small units are nothing in single precision
+            half_.value[k] *= scale_;
+            coupling_.value[k] = static_cast<float>(scale_ * share * value(a, k, content, potential));
+        }
         return build_inverse();
     }
 
     // H w = f + g, H c = g - K w of the residuals f and g; then the potential is w - c.
     void apply(const double* r, double* z) override {
         const std::size_t n = 2 * b_.size();
-        double largest = 0;
-        for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(r[i]));
-        if (largest == 0) return std::fill(z, z + n, 0.0);
         const double unit = std::sqrt(beta_ * per_step_);
+        double largest = 0;
+        for (std::size_t i = 0; i < b_.size(); ++i)
+            largest = std::max({largest, std::abs(r[2 * i + slots_[content]]) / per_step_,
+                                std::abs(r[2 * i + slots_[potential]]) / unit});
+        if (largest == 0) return std::fill(z, z + n, 0.0);
         const double of_potentials = 1 / (largest * unit), of_contents = 1 / (largest * per_step_);
         for (std::size_t i = 0; i < b_.size(); ++i) {
             g_[i] = static_cast<float>(of_contents * r[2 * i + slots_[content]]);
@@ -57,8 +62,8 @@ class Mixture : public Preconditioning {
         multiply(coupling_, w_, b_, [&](std::size_t i) { b_[i] = g_[i] - b_[i]; });
         solve(b_, c_);
         for (std::size_t i = 0; i < b_.size(); ++i) {
-            z[2 * i + slots_[content]] = largest * c_[i];
-            z[2 * i + slots_[potential]] = largest * unit * (w_[i] - c_[i]);
+            z[2 * i + slots_[content]] = largest * scale_ * c_[i];
+            z[2 * i + slots_[potential]] = largest * scale_ * unit * (w_[i] - c_[i]);
         }
     }
 
@@ -108,7 +113,7 @@ class Mixture : public Preconditioning {
     }
 
     bool build_inverse() {
-        polynomial_ = std::make_unique<Smoother>(half_, scale_);
+        polynomial_ = std::make_unique<Smoother>(half_, 1.0);
         if (polynomial_->damp_all(reduction) <= highest_degree) return true;
         polynomial_.reset();
         return grids_->build(half_, nullptr, 0) || (message = grids_->message, false);
@@ -117,7 +122,6 @@ class Mixture : public Preconditioning {
     void solve(const Vector& b, Vector& x) {
         if (polynomial_) {
             polynomial_->smooth(b, x, true);
-            for (float& v : x) v *= static_cast<float>(scale_);
         } else {
             std::copy(b.begin(), b.end(), wide_b_.begin());
             grids_->apply(wide_b_.data(), wide_x_.data());
@@ -129,7 +133,7 @@ class Mixture : public Preconditioning {
     std::unique_ptr<Grids> grids_;
     std::unique_ptr<Smoother> polynomial_;
     std::vector<int> slots_;  // of a node's content and potential
-    BlockRows<double> half_;
+    BlockRows<double> half_;  // and `coupling_`: H and K by the largest entry of H
     BlockRows<float> coupling_;
     std::vector<double> wide_b_, wide_x_;
     Vector b_, g_, w_, c_;

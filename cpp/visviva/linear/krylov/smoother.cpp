@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "visviva/linear/krylov/precondition.hpp"
 #include "visviva/linear/scaled.hpp"
@@ -96,15 +97,15 @@ int Smoother::damp_all(float reduction) {
     for (; n < lanczos_steps; ++n) {
         multiply(inverse_, residual_, z);
         const double rz1 = product(residual_, z), beta = n > 0 ? rz1 / rz : 0;
+        if (rz1 == 0) break;
         for (std::size_t i = 0; i < size(); ++i) p[i] = z[i] + static_cast<float>(beta) * p[i];
         multiply(a_, p, scaled_);
         if (n > 0) T(n, n) = beta / alpha, T(n, n - 1) = T(n - 1, n) = std::sqrt(beta) / alpha;
         alpha = rz1 / product(p, scaled_);
-        if (!(alpha > 0) || !std::isfinite(alpha)) break;
+        if (!(alpha > 0) || !std::isfinite(alpha)) return std::numeric_limits<int>::max();
         T(n, n) += 1 / alpha, rz = rz1;
         for (std::size_t i = 0; i < size(); ++i) residual_[i] -= static_cast<float>(alpha) * scaled_[i];
     }
-    if (n == 0) return degree_;
     const Eigen::VectorXd found =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(T.topLeftCorner(n, n), Eigen::EigenvaluesOnly)
             .eigenvalues();

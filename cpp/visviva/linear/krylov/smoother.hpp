@@ -37,7 +37,7 @@ class Smoother {
     // Of errors those at the upper end of the spectrum.
     void damp_upper();
     // All errors, by `reduction` at least, of a symmetric positive definite matrix; returns the degree it
-    // takes.
+    // takes. No degree is high enough for one that is indefinite.
     int damp_all(float reduction);
 
     // x += p(D^-1 A) D^-1 (b - A x); with `zero` x counts as zero on entry.
