@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import visviva as vv
@@ -53,3 +55,39 @@ def test_elastic_slip_rubs_in_an_impact_or_says_that_it_cannot(share: float, h: 
         return
     with pytest.raises(vv.StepFailure, match=r"contact-1.*an impact rubs.*tangential='multipliers'"):
         vv.simulate(system, until=0.3, step=h)
+
+
+PAIRS = ["penalty", "multipliers"]
+
+
+@pytest.mark.parametrize(
+    ("enforcement", "tangential", "lower_first"),
+    [
+        (normal, along, lower_first)
+        for normal in PAIRS
+        for along in PAIRS
+        for lower_first in (False, True)
+        if not lower_first or (normal, along) != ("multipliers", "penalty")  # by vertices alone
+    ],
+)
+def test_what_bounces_straight_is_not_pushed_aside(
+    enforcement: Any, tangential: Any, lower_first: bool
+) -> None:
+    """A box that comes down beside the middle of a floor's triangles: they seemed to turn, and it to slip."""
+    points, triangles = vv.Box(size=(1, 1, 0.1)).surface()
+    mesh = vv.SurfaceMesh(points=points, triangles=triangles)
+    floor = vv.RigidBody(shape=mesh, density=1e3)
+    box = vv.RigidBody(
+        shape=vv.Box(size=(0.2, 0.2, 0.2)), density=1e3, position=(0.05, 0.03, 0.16), velocity=(0, 0, -3)
+    )
+    first, second = (floor, box) if lower_first else (box, floor)
+    options: Any = {"enforcement": enforcement, "tangential": tangential}
+    contact = vv.Contact(
+        first=first, second=second, stiffness=1e5, friction=0.3, tangential_stiffness=1e5, **options
+    )
+    hold = vv.Rigid(a=vv.Ground(), b=floor, at=(0, 0, 0))
+    system = vv.System([floor, hold.a, hold, box, contact])
+    result = vv.simulate(system, until=0.03, step=1e-3)
+    assert vv.Velocity(of=box)(system)[:2] == pytest.approx((0, 0), abs=1e-9)
+    assert vv.AngularVelocity(of=box)(system) == pytest.approx((0, 0, 0), abs=1e-8)
+    result.assert_conserved("energy", tolerance=1e-9)

@@ -266,7 +266,8 @@ void NodeToSegment::masses(const double* X, const std::vector<char>& wanted, boo
 }
 
 // The vertex, or the point of the ball that is nearest, against the closest point. Tractions turn with an
-// edge of the first surface, or of the facet where that is but points.
+// edge of the first surface, or of the facet where that is but points. What friction does not feel is the
+// motion of the facet alone: what comes at its plane from above would seem to turn both, and to slip.
 void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) const {
     Found found;
     if (locate(X, A, found) != Reach::near) return;
@@ -292,7 +293,7 @@ void NodeToSegment::grip(const double* X, int A, bool gradients, Grip& out) cons
         add_weights(frame, options_.axis, x - options_.radius * found.normal, C, 1, -1, out);
     } else {
         set_parts(found, out.turning);
-        out.weight[0] = -1;
+        out.turning[0] = 0, out.weight[0] = -1;
     }
     for (int c = 0; c < facet.n; ++c)
         for (int i = 0; i < foot.n; ++i) {

@@ -227,7 +227,8 @@ void SharpGaps::seconds(const double* X, const std::vector<double>& S, const dou
     }
 }
 
-// Both bodies touch where they are nearest; tractions turn with an edge of the first.
+// Both bodies touch where they are nearest; tractions turn with an edge of the first. Faces turn by
+// themselves: corners that come at them would seem to turn both, and to slip.
 void SharpGaps::grips(const double* X, const std::vector<char>& wanted, bool gradients,
                       std::vector<Grip>& out) {
     for (int A = 0; A < n_; ++A) {
@@ -238,6 +239,7 @@ void SharpGaps::grips(const double* X, const std::vector<char>& wanted, bool gra
         g.weight_gradient.setZero(gradients ? k : 0, 3 * k);
         for (auto& t : g.tangent_gradient) t.setZero(3, 3 * k);
         if (!sees(X, A)) continue;
+        if (!pairs_.has_signs(held_.of(A).pair.number)) g.turning[3] = 0;
         const Meeting pair = meeting(X, A);
         g.weight = -pair.shares;
         Eigen::MatrixXd N;
