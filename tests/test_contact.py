@@ -80,7 +80,10 @@ BAD: dict[str, tuple[Callable[[], list[Component]], str]] = {
     "unknown faces": (partial(pair, first_faces="z00"), "no set of faces 'z00'.*z0"),
     "empty faces": (partial(pair, first_faces=Faces({}, {})), "the set of faces .* is empty"),
     "faces that look inwards": (inward, r"near \(0.5, 0.5, 0\) looks into the solid; reverse its nodes"),
-    "a surface with itself": (with_itself, "both surfaces are of Solid .* and share node"),
+    "a surface with itself": (
+        with_itself,
+        "both surfaces are of Solid .* and share node .* touch each other with first_faces='all'",
+    ),
     "rigid bodies without stiffness": (two_bodies, "nothing says how stiff contact should be"),
     "faces of a rigid body": (
         partial(two_bodies, stiffness=1.0, first_faces="top"),

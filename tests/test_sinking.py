@@ -258,3 +258,17 @@ def test_what_overlapped_at_the_start_is_known_after_a_restart(tmp_path: Path) -
     run(made(0.1), tmp_path / "split", pictures=False)
     run(again, tmp_path / "split", pictures=False, resume=True)
     assert again.system.x.tobytes() == whole.system.x.tobytes()
+
+
+@pytest.mark.parametrize("shape", [vv.Sphere(radius=0.1), vv.Capsule(radius=0.1, length=0.1)])
+def test_what_is_round_does_not_fall_through_coarse_solids(shape: Any) -> None:
+    """Between the vertices of the first, half a length apart, which alone touch: it left by the other side."""
+    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1))
+    plate = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
+    ball = vv.RigidBody(shape=shape, density=500.0, position=(0.25, 0.25, 0.36), velocity=(0, 0, -2))
+    contact = vv.Contact(first=plate, second=ball, formulation="node-to-segment")
+    system = vv.System([plate, ball, vv.Fixed(solid=plate, nodes="z0"), contact])
+    with pytest.raises(
+        vv.StepFailure, match=r"sink into each other.*vertices of .* alone touch.*exchange first"
+    ):
+        vv.simulate(system, until=0.2, step=5e-3)

@@ -209,7 +209,8 @@ def check_sides(contact: Contact) -> None:
     if len(shared):
         raise InputError(
             f"{contact.label}: both surfaces are of {first.label} and share node {one.nodes[shared[0]]}; give parts of "
-            "it that lie apart, or leave out second for self-contact"
+            "it that lie apart, or leave out second and second_faces for self-contact: lips of a crack, which share "
+            "their tip, touch each other with first_faces='all'"
         )
 
 

@@ -48,15 +48,17 @@ def _by_vertices(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody
     first, second = contact.first, contact.second
     if contact.is_mortar or first is second or not mesh_bodies(first, second):
         return None
+    if isinstance(first, RigidBody) and first.shape is not None and len(first.shape.feelers[0]) == 1:
+        return None  # balls are exact
     if isinstance(first, Solid) and (contact.first_faces, contact.second_faces) != ("all", "all"):
         return None
-    return (first, second) if _has_corners(first) and _has_corners(second) else None
+    return (first, second) if _encloses(first) and _encloses(second) else None
 
 
-def _has_corners(body: object) -> TypeGuard[Solid | RigidBody]:
+def _encloses(body: object) -> TypeGuard[Solid | RigidBody]:
     if isinstance(body, Solid):
         return body.grid.dimension == 3
-    return isinstance(body, RigidBody) and body.shape is not None and body.shape.feelers[1] == 0
+    return isinstance(body, RigidBody) and body.shape is not None
 
 
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
