@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
-from visviva.study.fingerprint import Teller
+from visviva.base.told import Teller
 from visviva.study.run import run
 
 Kind = Callable[[float], Any]

@@ -15,7 +15,9 @@ import scipy.sparse.linalg as spl
 import visviva as vv
 from visviva import _core
 from visviva.base import world as seam
+from visviva.base.told import digest_of
 from visviva.linear.choice import Choice, Direct, LinearOptions, Problem
+from visviva.system import agreement
 
 
 class Factors:
@@ -122,3 +124,46 @@ def test_one_file_of_the_core_speaks_with_other_processes() -> None:
     assert [file.name for file in sorted(core.rglob("*.?pp")) if "processes_->" in file.read_text()] == [
         "together.cpp"
     ]
+
+
+class Beside(seam.Alone):
+    """The first of two processes; the other tells what it is given to tell, or the same."""
+
+    size = 2
+
+    def __init__(self, other: Any = None) -> None:
+        self.other = other
+
+    def together(self, values: Any) -> list[Any]:
+        told = digest_of(repr(self.other)) if isinstance(values, str) else self.other
+        return [values, values if self.other is None else told]
+
+
+def test_the_first_difference_between_processes_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    ball = vv.PointMass(mass=1.0, name="ball")
+    fields = vv.System([ball]).model.fields
+    monkeypatch.setattr(seam, "_joined", [Beside()])
+    agreement.refuse_different([ball], vv.Newton())
+    agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
+    agreement.refuse_different_marches(until=1.0)
+    monkeypatch.setattr(seam, "_joined", [Beside({"march": {"until": "2", "step": "1"}})])
+    with pytest.raises(vv.InputError, match=r"differ: march: until is 1 in process 0, 2 in process 1\. Each"):
+        agreement.refuse_different_marches(until=1.0, step=1.0)
+    monkeypatch.setattr(seam, "_joined", [Beside({})])
+    with pytest.raises(
+        vv.InputError, match=r"differ: PointMass 'ball': state of position .* nothing in process 1"
+    ):
+        agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
+
+
+def test_comparison_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bytes are hashed at some hundred megabytes per second at least: no loop over nodes."""
+    import time
+
+    mesh = vv.Mesh(np.random.default_rng(0).normal(size=(1_000_000, 3)), {"tet4": [(0, 1, 2, 3)]})
+    ball = vv.PointMass(mass=1.0)
+    vars(ball)["name"] = mesh  # whatever argument
+    monkeypatch.setattr(seam, "_joined", [Beside()])
+    start = time.process_time()
+    agreement.refuse_different([ball], vv.Newton())
+    assert time.process_time() - start < 0.5  # 24 MB

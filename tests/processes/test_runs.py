@@ -179,3 +179,74 @@ def test_an_error_of_one_process_ends_all(tmp_path: Path) -> None:
     assert done.returncode != 0
     assert "process 1 of 2:" in done.stderr
     assert "only here" in done.stderr
+
+
+DIFFER = """
+import numpy as np
+import visviva as vv
+from visviva.base.world import world
+
+rank, mesh = world().rank, vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2))
+
+
+def bar(young=100.0, name="bar", **more):
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=young, poisson=0.3), density=1.0, name=name, **more)
+
+
+def drawn(X):
+    return np.random.default_rng().normal(size=X.shape)
+
+
+def run(until=0.1, moved=0.0, alike=(), **given):
+    system = vv.System([bar(**given), *(bar(100.0 * k, f"bar {k}") for k in alike)])
+    system.x[0] += moved
+    system.invalidate()
+    return vv.simulate(system, until=until, step=0.05)
+
+
+tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
+         {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {}]
+for given in tried:
+    try:
+        run(**given)
+        told = "went on"
+    except vv.InputError as error:
+        told = str(error)
+    if rank == 0:
+        print(told)
+"""
+
+
+def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) -> None:
+    """They computed on, each with its part of another body, or waited for each other for ever."""
+    (tmp_path / "differ.py").write_text(DIFFER)
+    done = launched(2, str(tmp_path / "differ.py"))
+    assert done.returncode == 0, done.stderr
+    told = done.stdout.splitlines()
+    beginnings = (
+        "Solid 'bar': material is NeoHooke(young=100,",
+        "system: component 2 is Solid 'bar 2' in process 0, Solid 'bar 1' in process 1.",
+        "system: component 2 is nothing in process 0, Solid 'bar 1' in process 1.",
+        "Solid 'bar': rates of position (unknowns from 0 on) is array(",
+        "march: until is 0.1 in process 0, 0.15",
+        "Solid 'bar': state of position (unknowns from 0 on) is array(",
+    )
+    for line, begins in zip(told, beginnings, strict=False):
+        assert line.startswith(f"processes differ: {begins}"), line
+    assert told[len(beginnings) :] == ["went on"]
+
+
+SETS = """
+import visviva as vv
+
+bars = [vv.PointMass(mass=1.0, name=name) for name in set("abcdefghij")]
+vv.simulate(vv.System(bars), until=1.0, step=0.5)
+"""
+
+
+def test_what_differs_is_told_once(tmp_path: Path) -> None:
+    """Sets of names are ordered by hashes, whose seeds differ."""
+    (tmp_path / "sets.py").write_text(SETS)
+    done = launched(2, str(tmp_path / "sets.py"))
+    assert done.returncode != 0
+    assert done.stderr.count("take components from lists rather than sets") == 1

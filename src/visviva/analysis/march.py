@@ -20,6 +20,7 @@ from visviva.results.naming import ledger_units
 from visviva.results.recorded import Record, Recorded
 from visviva.results.result import Kept, Result, spilled
 from visviva.scheme.schemes import EnergyMomentum, Scheme, refuse_extreme
+from visviva.system import agreement
 from visviva.system.freedom import refuse_free, refuse_massless, refuse_swinging
 from visviva.system.growing import bring_into_balance
 from visviva.system.mean_rates import moved_by_means
@@ -87,6 +88,7 @@ def march(
     if own is None and not (until > system.time and math.isfinite(until)):
         cure = "; start='beginning' runs it anew" if until > 0 else ""
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}{cure}")
+    agreement.refuse_different_marches(until=until, step=step, scheme=scheme, adaptive=adaptive)
     know(system, step)
     prepare(system, scheme, project=project)
     if scheme.needs_acceleration and not system.stepper.has_acceleration:
@@ -160,6 +162,8 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     refuse_no_system("march", system)
     refuse_other("march", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
     refuse_changed(system)
+    if system.report is None or system.stepper.is_edited:
+        agreement.refuse_different_states(system.model.fields, system.x, system.v)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)

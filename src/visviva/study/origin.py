@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from visviva.base.errors import InputError
 from visviva.output.directory import RunDirectory
-from visviva.study.fingerprint import Arguments, changes, fingerprint
+from visviva.study.fingerprint import changes, fingerprint
+from visviva.system.agreement import Arguments
 
 if TYPE_CHECKING:
     from visviva.study.study import Study

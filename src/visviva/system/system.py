@@ -32,7 +32,7 @@ from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
-from visviva.system import steps
+from visviva.system import agreement, steps
 from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
@@ -101,8 +101,7 @@ class System(metaclass=Named):
 
     def _compose(self, before: Composition | None = None) -> None:
         """Number the unknowns of the components, and hand them to the core."""
-        self.stepper = Stepper()
-        self.composition = Composition()  # by which results and forms know whether it is still theirs
+        self.stepper, self.composition = Stepper(), Composition()  # by which others know whether it is theirs
         self.changed: dict[str, list[str]] = {}  # arguments of components that were set since
         self.is_undisturbed = False  # whether what is done now leaves no trace
         self._present: Present | None = None
@@ -111,6 +110,7 @@ class System(metaclass=Named):
         with claimed(self, self.components):
             lengths = lengths_of_parts(self.components, length := characteristic_length(self.components))
             self.model = Model(self.components, length=length, lengths=lengths, _composition=self.composition)
+            agreement.refuse_different(self.components, self.newton)
             for c in self.components:
                 c.announce(self.model)
             rank = lambda c: (not isinstance(c, Attachable), c.contributes_last)  # noqa: E731

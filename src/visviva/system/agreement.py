@@ -1,0 +1,114 @@
+"""Processes that share a system have to compose the same: what they tell of it is compared before they go on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import visviva
+from visviva.base.errors import InputError
+from visviva.base.told import Teller, arguments_of, digest_of, shortened
+from visviva.base.world import world
+from visviva.component.component import Component
+
+if TYPE_CHECKING:
+    from visviva.model.field import Field
+    from visviva.system.newton import Newton
+
+Array = NDArray[np.float64]
+Arguments = dict[str, dict[str, str]]
+"""Values of arguments, by the labels of components and the names of arguments."""
+
+
+def told(
+    owner: str, arguments: Mapping[str, Any], names: Mapping[int, str], untold: list[str]
+) -> dict[str, str]:
+    """Arguments in words; the reasons why parts of them are not told are added to `untold`."""
+    texts: dict[str, str] = {}
+    for name, value in arguments.items():
+        teller = Teller(names)
+        texts[name] = shortened(teller.text(value))
+        untold.extend(f"{owner}: {name} ({reason})" for reason in teller.untold)
+    return texts
+
+
+def names_of(components: Sequence[Component]) -> dict[int, str]:
+    """By what components are told where arguments refer to them."""
+    return {id(c): f"component {c.name!r}" for c in components}
+
+
+def told_components(
+    components: Sequence[Component], names: Mapping[int, str], untold: list[str]
+) -> Arguments:
+    """All arguments of components."""
+    return {c.label: told(c.label, {"class": type(c)} | arguments_of(c), names, untold) for c in components}
+
+
+def refuse_different(components: Sequence[Component], newton: Newton) -> None:
+    """Refuse components of which another process has others, in another order or with other arguments.
+
+    Raises
+    ------
+    InputError
+        With the first that differs.
+    """
+    if world().size == 1:
+        return
+    names, untold = names_of(components), list[str]()
+    compare(
+        {"visviva": {"version": visviva.__version__}, "Newton": told("", arguments_of(newton), names, untold)}
+    )
+    compare({"system": {f"component {k}": c.label for k, c in enumerate(components, 1)}})
+    compare(told_components(components, names, untold))
+
+
+def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None:
+    """Refuse unknowns (n,) and rates (n,) of which another process has others; random ones have no seed."""
+    if world().size == 1:
+        return
+    texts: Arguments = {}
+    for f in fields:
+        part, of = slice(f.start, f.start + f.size), f"{f.name} (unknowns from {f.start} on)"
+        values = {f"state of {of}": x[part], f"rates of {of}": v[part], f"what is held of {of}": f.fixed}
+        texts.setdefault(f.component.label, {}).update(told("", values, {}, []))
+    compare(texts)
+
+
+def refuse_different_starts(fields: Sequence[Field]) -> None:
+    """Refuse states that others begin with otherwise."""
+    if world().size > 1:
+        x, v = (np.concatenate([getattr(f, name) for f in fields]) for name in ("values", "rates"))
+        refuse_different_states(fields, x, v)
+
+
+def refuse_different_marches(**arguments: Any) -> None:
+    """Refuse times and schemes of which another process has others."""
+    if world().size > 1:
+        compare({"march": told("", arguments, {}, [])})
+
+
+def compare(texts: Arguments) -> None:
+    """Refuse texts of which another process has others, by the first that differs."""
+    if len(set(world().together(digest_of(repr(texts))))) == 1:
+        return
+    first, *others = world().together(texts)
+    k, other = next((k, other) for k, other in enumerate(others, 1) if repr(other) != repr(first))
+    raise InputError(
+        f"processes differ: {difference(first, other, k)}. Each runs the whole script, and has to make the same of it: "
+        "give random numbers a seed, take components from lists rather than sets, let nothing depend on the process, "
+        "and start one version of visviva and of the script"
+    )
+
+
+def difference(first: Arguments, other: Arguments, k: int) -> str:
+    """The first difference between the texts of the first process and of process `k`."""
+    for owner in dict.fromkeys([*first, *other]):
+        a, b = first.get(owner, {}), other.get(owner, {})
+        for name in dict.fromkeys([*a, *b]):
+            one, another = a.get(name, "nothing"), b.get(name, "nothing")
+            if one != another:
+                return f"{owner}: {name} is {one} in process 0, {another} in process {k}"
+    return "the order of what they have"
