@@ -170,6 +170,31 @@ def test_temperatures_that_are_held_take_the_other_side_along() -> None:
 
 
 @pytest.mark.parametrize("kind", ["body", "solid"])
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BDF2()], ids=repr)
+@pytest.mark.parametrize("held", ["x1", "all"])
+@pytest.mark.parametrize("across", [(3, 2), (2, 3)])
+def test_a_held_first_surface_warms_the_second(
+    across: tuple[int, int], held: str, scheme: vv.Scheme, kind: str
+) -> None:
+    """Nothing passed, without a word: its nodes have the multipliers. As by the series of a bar held at an end."""
+    first, second = (
+        bar(kind, k, across=n, temperature=COLD, n=8) for k, n in zip((False, True), across, strict=True)
+    )
+    hot = vv.PrescribedTemperature(body=first, nodes=held, value=HOT)
+    system = joined(first, second, hot)
+    result = vv.simulate(system, until=0.5, step=0.01, scheme=scheme)
+    n = np.arange(1, 400, 2) * np.pi / 2
+    mean = HOT - (HOT - COLD) * 2 * np.sum(np.exp(-0.5 * n**2) / n**2)
+    found = second.temperatures(system.x)
+    assert found[second.nodes("x0")] == pytest.approx(HOT, abs=0.05)
+    assert found[second.grid.cells["hex8"]].mean() == pytest.approx(mean, abs=0.3)
+    tie = next(c for c in system.components if isinstance(c, vv.HeatTie))
+    assert tie.heat(system.x) > 0
+    stored = result.ledger["total"][-1] - result.ledger["total"][0]
+    assert result.ledger["heat_supply"][-1] == pytest.approx(stored, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["body", "solid"])
 def test_half_spaces_meet_at_the_temperature_of_their_effusivities(kind: str) -> None:
     """``(b1 T1 + b2 T2) / (b1 + b2)`` with b = sqrt(k c), as long as nothing has come to the far ends."""
     first = bar(kind, False, n=60, conductivity=1.0, capacity=1.0)

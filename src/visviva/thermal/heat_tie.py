@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +38,8 @@ class HeatTie(Component):
     Parameters
     ----------
     first, second : ThermalBody, ThermoelasticSolid, ThermalShell or FluidHeat
-        The first surface should be the finer one.
+        The first surface should be the finer one. Its nodes have the multipliers, unless temperatures are prescribed at
+        more of them than of the second one's.
     first_faces, second_faces : str or Faces
         Which part of the surface; 'all' for the whole boundary. Of a shell the sides 'upper' or 'lower', which are as
         warm as they are themselves, or edges, at the mean through the thickness.
@@ -54,8 +58,8 @@ class HeatTie(Component):
     -----
     What leaves the one enters the other, exactly. Between solids that deform a multiplier is a flow of entropy at
     the one temperature of both: neither energy nor entropy arises, however the tie moves. A conductance produces the
-    entropy ``q (1 / T2 - 1 / T1)``, never a negative one. Bodies are held together by `Tie`. Nodes of the first
-    surface whose temperature is prescribed have no multiplier. Without a conductance temperatures that jump across it
+    entropy ``q (1 / T2 - 1 / T1)``, never a negative one. Bodies are held together by `Tie`. Nodes whose
+    temperature is prescribed have no multiplier. Without a conductance temperatures that jump across it
     are evened out as a system is composed, by heat. See :doc:`/theory/heat`.
 
     Examples
@@ -98,7 +102,7 @@ class HeatTie(Component):
             for body, chosen in sides:
                 refuse_periodic("its surfaces", body, body.periodic, body.faces(chosen))
             skins = [body.heat_skin(chosen) for body, chosen in sides]
-            self._modes = [body.heat_modes(body.faces(chosen)) for body, chosen in sides]
+            modes = [body.heat_modes(body.faces(chosen)) for body, chosen in sides]
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         edges = any(
@@ -109,17 +113,14 @@ class HeatTie(Component):
                 f"{self.label}: edges of {self.first.label} have no area that a conductance could be of; leave it out, "
                 "which ties temperatures, or give vv.HeatExchange the conductance of the whole edge"
             )
-        self._nodes = skins[0].used, skins[1].used
-        self._pair = MortarSurfaces((self.first, skins[0]), (self.second, skins[1]), self.reach)
-        share = self._pair.share
-        self._tied = share > THIN
-        if not self._tied.any():
+        self._given = self._bearing = Bearing((self.first, self.second), skins, modes, self.reach)
+        pair = self._given.pair
+        if not self._given.tied.any():
             raise InputError(
                 f"{self.label}: the surfaces of {self.first.label} and {self.second.label} do not touch: their nearest "
-                f"nodes are {self._pair.distance():.3g} apart, and nothing beyond {self._pair.reach:.3g} exchanges "
+                f"nodes are {pair.distance():.3g} apart, and nothing beyond {pair.reach:.3g} exchanges "
                 "heat. Choose the faces that face each other, or give a larger reach"
             )
-        self._rows = with_neighbours(self._pair.standard(), self._pair.first.facets, self._tied, share > 0)
 
     def announce(self, model: Model) -> None:
         for body, faces in ((self.first, self.first_faces), (self.second, self.second_faces)):
@@ -131,22 +132,29 @@ class HeatTie(Component):
         model.index(self.first), model.index(self.second)
         if self.conductance is not None:
             return
-        held = np.zeros(len(self._tied), dtype=bool)
-        for given in model.announced(self.first, PrescribedTemperature):
-            held |= np.isin(self._nodes[0], given.chosen)
-        for tie in model.announced(self.first, HeatTie):
-            if tie is not self and tie.first is self.first and tie.conductance is None:
-                self._refuse_shared(tie)
-        self._bonds = np.flatnonzero(self._tied & ~held)
+        self._bearing = self._chosen(model)
+        for tie in model.announced(self._bearing.bodies[0], HeatTie):
+            if tie is not self and tie.conductance is None:
+                self._refuse_shared(tie, tie._chosen(model))
+        self._bonds = np.flatnonzero(self._bearing.tied & ~self._bearing.held(model))
         self._heat = model.multipliers(self, "heat", len(self._bonds), instantaneous=False)
 
-    def _refuse_shared(self, tie: HeatTie) -> None:
-        shared = np.intersect1d(self._nodes[0][self._tied], tie._nodes[0][tie._tied])
+    def _chosen(self, model: Model) -> Bearing:
+        """The side that bears the multipliers: no others pass heat into nodes whose temperature is prescribed."""
+        if not self._given.held(model).any():
+            return self._given
+        return min(self._given, self._given.exchanged, key=lambda bearing: bearing.held(model).sum())
+
+    def _refuse_shared(self, tie: HeatTie, its: Bearing) -> None:
+        own = self._bearing
+        if its.bodies[0] is not own.bodies[0]:
+            return
+        shared = np.intersect1d(own.nodes[0][own.tied], its.nodes[0][its.tied])
         if len(shared):
-            place = ", ".join(f"{c:.4g}" for c in self.first.points[shared[0]])
+            place = ", ".join(f"{c:.4g}" for c in own.bodies[0].points[shared[0]])
             raise InputError(
-                f"{self.label} and {tie.label} both tie node {shared[0]} of {self.first.label} at ({place}): exchange "
-                "first and second of one of them, or give it a conductance"
+                f"{self.label} and {tie.label} both tie node {shared[0]} of {own.bodies[0].label} at ({place}): "
+                "exchange first and second of one of them, or give it a conductance"
             )
 
     def contribute(self, model: Model) -> None:
@@ -156,20 +164,20 @@ class HeatTie(Component):
             self._bond(model)
 
     def _bond(self, model: Model) -> None:
-        rows = (self.first.thickness * self._rows[self._bonds]).tocsr()
-        n = len(self._nodes[0])
+        own = self._bearing
+        rows = (self.first.thickness * own.rows[self._bonds]).tocsr()
+        n = len(own.nodes[0])
         parts = [padded(rows[:, :n]), padded(rows[:, n:])]
-        nodes = [np.where(c >= 0, of[c], -1) for (c, _), of in zip(parts, self._nodes, strict=True)]
+        nodes = [np.where(c >= 0, of[c], -1) for (c, _), of in zip(parts, own.nodes, strict=True)]
         numbers = np.asarray(self._heat.unknowns, dtype=np.int32)
-        model.term(
-            self, HeatBond((self.first, self.second), numbers, nodes, self._modes, [w for _, w in parts])
-        )
+        model.term(self, HeatBond(own.bodies, numbers, nodes, own.modes, [w for _, w in parts]))
 
     def _exchange(self, model: Model, conductance: float) -> None:
-        for nodes, N, size in self._pair.shared_points():
-            own = [of[n] for of, n in zip(self._nodes, nodes, strict=True)]
+        of = self._given
+        for nodes, N, size in of.pair.shared_points():
+            own = [all_nodes[n] for all_nodes, n in zip(of.nodes, nodes, strict=True)]
             area = self.first.thickness * size
-            model.term(self, HeatExchange((self.first, self.second), own, self._modes, N, area, conductance))
+            model.term(self, HeatExchange(of.bodies, own, of.modes, N, area, conductance))
 
     # --- results -------------------------------------------------------------------------------------------
     def heat(self, x: Array) -> float:
@@ -177,8 +185,61 @@ class HeatTie(Component):
 
         Of two solids that deform it is the entropy per time.
         """
-        own = self.first.thickness * self._rows[self._bonds][:, : len(self._nodes[0])]
-        return float(np.sum(own.T @ x[self._heat.unknowns]))
+        own = self._bearing
+        rows = self.first.thickness * own.rows[self._bonds][:, : len(own.nodes[0])]
+        leaving = float(np.sum(rows.T @ x[self._heat.unknowns]))
+        return leaving if own.bodies[0] is self.first else -leaving
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Bearing:
+    """Two surfaces of a tie, of which the nodes of the first bear the multipliers.
+
+    Attributes
+    ----------
+    bodies, skins, modes : of both
+        What they are of, their faces, and what the temperatures of a node count for there.
+    reach : float, optional
+    """
+
+    bodies: tuple[HeatCarrier, HeatCarrier]
+    skins: Sequence[Any]
+    modes: Sequence[Array]
+    reach: float | None
+
+    @cached_property
+    def pair(self) -> MortarSurfaces:
+        """The integrals."""
+        first, second = zip(self.bodies, self.skins, strict=True)
+        return MortarSurfaces(first, second, self.reach)
+
+    @cached_property
+    def nodes(self) -> tuple[Ints, Ints]:
+        """Of both surfaces, in their bodies."""
+        return self.skins[0].used, self.skins[1].used
+
+    @cached_property
+    def tied(self) -> NDArray[np.bool_]:
+        """Which nodes of the first one touch the second."""
+        tied: NDArray[np.bool_] = self.pair.share > THIN
+        return tied
+
+    @cached_property
+    def rows(self) -> Any:
+        """Constraints of the tied nodes by the temperatures of both surfaces."""
+        return with_neighbours(self.pair.standard(), self.pair.first.facets, self.tied, self.pair.share > 0)
+
+    @cached_property
+    def exchanged(self) -> Bearing:
+        """The same with the multipliers on the other side."""
+        return Bearing((self.bodies[1], self.bodies[0]), self.skins[::-1], self.modes[::-1], self.reach)
+
+    def held(self, model: Model) -> NDArray[np.bool_]:
+        """Which of the tied nodes have a temperature that is prescribed."""
+        held = np.zeros(len(self.tied), dtype=bool)
+        for given in model.announced(self.bodies[0], PrescribedTemperature):
+            held |= np.isin(self.nodes[0], given.chosen)
+        return held & self.tied
 
 
 def padded(rows: Any) -> tuple[Ints, Array]:
