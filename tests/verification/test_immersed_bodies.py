@@ -51,6 +51,21 @@ def test_disc_in_shear_turns_at_half_the_rate(elements: str, n: int) -> None:
     assert np.allclose(log.point().position.value(system.x), 0.0, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("n", [32, 48])
+def test_a_light_disc_is_let_go_as_in_potential_flow(n: int) -> None:
+    """Fluid of little viscosity around marks that are as close as nodes: added mass 1.168 in a box without friction."""
+    radius, density, end, added = 0.3, 0.3, 0.1, 1.1677
+    mesh = vv.RectangleMesh(size=(2, 2), counts=(n, n), origin=(-1, -1))
+    water = vv.Fluid(mesh=mesh, density=1.0, viscosity=1e-4)
+    log = vv.RigidBody(shape=vv.Cylinder(radius=radius, length=1.0), density=density)
+    wet = vv.ImmersedBody(body=log, fluid=water, spacing=1.0)
+    gravity = vv.Gravity(acceleration=(0, -1, 0))
+    system = vv.System([water, vv.FreeSlip(fluid=water, faces="all"), log, wet, gravity])
+    vv.simulate(system, until=end, step=0.01)
+    acceleration = 2 * log.point().position.value(system.x)[1] / end**2
+    assert acceleration == pytest.approx((1 - density) / (density + added), rel=0.05)
+
+
 def drag(n: int, cell: str) -> float:
     """Drag of a held cylinder in a channel at the Reynolds number 20, on a mesh that is not fitted to it."""
     height, length, at = 0.41, 1.0, (0.2, 0.2, 0.0)
