@@ -96,7 +96,8 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     n : int
         How many factors at most, those nearest to the present load parameter, on both sides of it.
     tolerance : float
-        How far the configuration may be from equilibrium, relative to the size of the model.
+        How far the configuration may be from equilibrium, relative to the size of the model. Damage may be 0.01 from
+        its balance, or this if it is more.
 
     Returns
     -------

@@ -103,7 +103,8 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     n : int
         How many: those of lowest square (in large systems, and where roots are complex: those nearest to zero).
     tolerance : float
-        Largest unbalanced force, relative to the largest force.
+        Largest unbalanced force, relative to the largest force. Damage may be 0.01 from its
+        balance, or this if it is more.
 
     Returns
     -------

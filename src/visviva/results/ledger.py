@@ -18,6 +18,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.leap import Leap
 from visviva.results.spread import Spread
 from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
@@ -59,6 +60,8 @@ class Sizes:
         Kinds of potentials of components that move, of which forces come.
     spread : Spread, optional
         What components with contents stored and lost so far; a ledger that was read has none.
+    leap : Leap, optional
+        The step in which the balance gained most.
     """
 
     mass: float = 0.0
@@ -67,6 +70,7 @@ class Sizes:
     power: float = 0.0
     inner: tuple[str, ...] = ()
     spread: Spread | None = None
+    leap: Leap | None = None
 
 
 @dataclass(repr=False)
@@ -301,6 +305,7 @@ class Bookkeeper:
         Work and heat so far by kind.
     entropy : EntropyBooks
     spread : Spread
+    leap : Leap
     total0 : float or None
         Energy of the initial state, None before its row is booked.
     """
@@ -311,14 +316,15 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        self.spread = Spread(system.model)
+        self.spread, self.leap = Spread(system.model), Leap()
         mass = sum(c.total_mass for c in system.components)
         self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
             forces = force_scale(system)
-            sizes = Sizes(mass, system.model.length, *forces, inner_potentials(system), self.spread)
+            inner = inner_potentials(system)
+            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.leap)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -353,6 +359,7 @@ class Bookkeeper:
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
         defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
+        self.leap.add(imbalance, self.done.sum())
         entropy = self.entropy.row(core, self.ledger)
         row = np.concatenate(
             [[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect, entropy]

@@ -57,6 +57,7 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "entropy": books.entropy.done,
         "span": books.ledger.span,
         "spread": books.spread.span,
+        "leap": books.leap.values,
     }
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
@@ -122,6 +123,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         ledger.arrays["span"],
         ledger.arrays.get("spread", books.spread.span),
     )
+    books.leap.values = ledger.arrays.get("leap", books.leap.values)
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
