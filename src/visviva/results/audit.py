@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from visviva.body.mesh_body import MeshBody
-from visviva.component.announcements import Unbooked
 from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
+from visviva.results.spread import unbooked
 from visviva.results.swings import MANY, MIDDLE
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
 
 
+UNPROMISED = "not meant to be conserved by this scheme, see how it falls with the step"
 NOTHING = 1e-16
 """Relative errors below are written as none."""
 ROUNDING = 1e-12
@@ -185,49 +187,60 @@ def energy_verdict(result: Result) -> str:
         return "conserved"
     if scheme.conserves_energy and max(gained, lost) <= LOOSE:
         return "conserved as well as the tolerances of the solvers allow"
-    unbooked = [
-        f"{c.label} {c.unbooked}" for c in result.system.components if isinstance(c, Unbooked) and c.unbooked
-    ]
-    if unbooked and scheme.has_inertia:
-        return f"not meant to be exact: {', '.join(unbooked[:NAMED])}"
+    if excuse := next((e for e in excuses(result, gained, lost) if e), ""):
+        return excuse
+    if not scheme.has_inertia:
+        return statics_verdict(max(gained, lost))
     if scheme.conserves_energy:
         return (
             "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
             "discrete gradient of its energy"
         )
-    if not scheme.has_inertia and ledger.entropy:
-        return "not meant to be exact: load steps take no time, and heat that bodies give away in them is not booked"
-    if not scheme.has_inertia and max(gained, lost) > SNAPPED:
-        return (
-            "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
-            "its path with vv.arc_length, or take the snap in steps of dynamics"
-        )
-    if not scheme.has_inertia:
-        return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
-    missed = SUMMED * sum(map(ledger.swing, ledger.brought)) / ledger.energy_scale
-    of = " and ".join([*ledger.works, *ledger.heats])
-    if CONSERVED < gained <= missed:
-        return f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    spread = ledger.sizes.spread.swing / ledger.energy_scale if ledger.sizes.spread else 0.0
-    by_spread = gained <= spread and (gained > CONSERVED or ledger.entropy or ledger.heats)
-    if not scheme.dissipates or by_spread:  # it damps motion, the rest either way
-        return "not meant to be conserved by this scheme, see how it falls with the step"
-    gains = gained > OVERSHOOT * lost + CONSERVED
-    if gains and result.system.model.growing and leapt(ledger) > LEAPT * ledger.greatest("imbalance"):
-        return (
-            f"not meant to be exact: work of {of} is a sum over steps of forces at their ends, and one step of what "
-            "cracks made most of this: let what jumps rise over several steps"
-        )
-    if gains:
+    if not scheme.dissipates:
+        return UNPROMISED
+    if gained > OVERSHOOT * lost + CONSERVED:
         return (
             "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"
         )
     return "dissipated by the scheme"
 
 
-def leapt(ledger: Ledger) -> float:
-    """What the balance gained in one step in which work was done."""
-    return ledger.sizes.leap.gain if ledger.sizes.leap else 0.0
+def statics_verdict(missed: float) -> str:
+    """Judge what works along load steps miss of the energies."""
+    if missed > SNAPPED:
+        return (
+            "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
+            "its path with vv.arc_length, or take the snap in steps of dynamics"
+        )
+    return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
+
+
+def excuses(result: Result, gained: float, lost: float) -> Iterator[str]:
+    """Why the energy need not balance, as far as what is named can bring about: empty where it cannot."""
+    ledger, scheme, sizes = result.ledger, result.scheme, result.ledger.sizes
+    scale, missed = ledger.energy_scale, max(gained, lost)
+    by_spread, by_unbooked = ((own.swing / scale if own else 0.0) for own in (sizes.spread, sizes.unbooked))
+    if not scheme.has_inertia:
+        if ledger.entropy and missed <= by_spread:
+            yield "not meant to be exact: load steps take no time, and heat that bodies give away in them is not booked"
+        return
+    if missed <= by_unbooked or (scheme.dissipates and gained <= by_unbooked):
+        why = [f"{c.label} {said}" for c, said in unbooked(result.system.components).items()]
+        yield f"not meant to be exact: {', '.join(why[:NAMED])}" if why else ""
+    if scheme.conserves_energy:
+        return
+    of = " and ".join([*ledger.works, *ledger.heats])
+    if CONSERVED < gained <= SUMMED * sum(map(ledger.swing, ledger.brought)) / scale:
+        yield f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
+    if scheme.dissipates and gained <= by_spread and (gained > CONSERVED or ledger.entropy or ledger.heats):
+        yield UNPROMISED  # it damps motion, the rest either way
+    leapt = sizes.leap.gain if sizes.leap else 0.0
+    gains = scheme.dissipates and gained > OVERSHOOT * lost + CONSERVED
+    if gains and result.system.model.growing and leapt > LEAPT * ledger.greatest("imbalance"):
+        yield (
+            f"not meant to be exact: work of {of} is a sum over steps of forces at their ends, and one step of what "
+            "cracks made most of this: let what jumps rise over several steps"
+        )
 
 
 def momentum_judgements(result: Result) -> list[Judgement]:

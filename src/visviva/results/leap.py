@@ -1,38 +1,35 @@
-"""The step in which a balance gains most while work is done: sums over steps do not resolve what jumps there."""
+"""The step in which a balance gains most as what cracks stores it: sums over steps do not resolve what jumps there."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.model.model import Model
+
 Array = NDArray[np.float64]
 
 
 class Leap:
-    """Largest gain of a balance in one step in which works change.
+    """Largest gain of a balance in one step in which what grows in one direction stores as much, as by a jump.
 
     Attributes
     ----------
     values : array (3,)
-        Imbalance and sum of works after the last step, and that gain.
-
-    Examples
-    --------
-    >>> leap = Leap()
-    >>> for imbalance, works in ((0.0, 0.0), (0.1, 0.5), (0.4, 0.5), (0.6, 0.9)):
-    ...     leap.add(imbalance, works)
-    >>> round(leap.gain, 9)
-    0.2
+        Imbalance and what that stores after the last step, and this gain.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, model: Model) -> None:
+        of = {model.index(growing.field.component) for growing in model.growing}
+        accounts = enumerate(model.accounts)
+        self._stored = [k for k, a in accounts if a.component in of and a.category == "potential"]
         self.values = np.zeros(3)
 
-    def add(self, imbalance: float, works: float) -> None:
-        """Take in a step."""
-        before, done, gain = self.values
-        here = imbalance - before if works != done else 0.0
-        self.values = np.array([imbalance, works, max(gain, here)])
+    def add(self, imbalance: float, energy: Array) -> None:
+        """Take in a step, or the initial state, with the energies (n,) of all accounts."""
+        before, held, gain = self.values
+        stored = energy[self._stored].sum()
+        self.values = np.array([imbalance, stored, max(gain, min(imbalance - before, stored - held))])
 
     @property
     def gain(self) -> float:

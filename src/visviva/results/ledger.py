@@ -19,7 +19,7 @@ from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
 from visviva.results.leap import Leap
-from visviva.results.spread import Spread
+from visviva.results.spread import Spread, unbooked
 from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning, undisturbed
@@ -58,8 +58,9 @@ class Sizes:
         Their power on what flows if it did so with the speed that is large in it.
     inner : tuple of str
         Kinds of potentials of components that move, of which forces come.
-    spread : Spread, optional
-        What components with contents stored and lost so far; a ledger that was read has none.
+    spread, unbooked : Spread, optional
+        What components with contents, and those with `Unbooked` changes, stored and lost so far; a ledger that was
+        read has none.
     leap : Leap, optional
         The step in which the balance gained most.
     """
@@ -70,6 +71,7 @@ class Sizes:
     power: float = 0.0
     inner: tuple[str, ...] = ()
     spread: Spread | None = None
+    unbooked: Spread | None = None
     leap: Leap | None = None
 
 
@@ -304,7 +306,7 @@ class Bookkeeper:
     done : array
         Work and heat so far by kind.
     entropy : EntropyBooks
-    spread : Spread
+    spread, unbooked : Spread
     leap : Leap
     total0 : float or None
         Energy of the initial state, None before its row is booked.
@@ -316,7 +318,8 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        self.spread, self.leap = Spread(system.model), Leap()
+        self.spread, self.leap = Spread.of_contents(system.model), Leap(system.model)
+        self.unbooked = Spread.of(system.model, unbooked(system.components))
         mass = sum(c.total_mass for c in system.components)
         self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
@@ -324,7 +327,7 @@ class Bookkeeper:
         with undisturbed(system):
             forces = force_scale(system)
             inner = inner_potentials(system)
-            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.leap)
+            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.unbooked, self.leap)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -346,7 +349,8 @@ class Bookkeeper:
 
     def book(self, time: float, core: Any) -> Array:
         """Add the row of the step that the core has just accepted (or of the initial state)."""
-        self.spread.add(core)
+        for own in (self.spread, self.unbooked):
+            own.add(core)
         energy = core.energy
         kinetic = self._kinetic @ energy
         potential = self._potential @ energy
@@ -359,7 +363,7 @@ class Bookkeeper:
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
         defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
-        self.leap.add(imbalance, self.done.sum())
+        self.leap.add(imbalance, energy)
         entropy = self.entropy.row(core, self.ledger)
         row = np.concatenate(
             [[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect, entropy]

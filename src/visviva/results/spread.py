@@ -1,12 +1,15 @@
-"""What mixtures and heated bodies store and lose: what schemes miss of sums over steps is theirs alone."""
+"""What some components store and lose: sums over steps and accounts that are lacking miss no more than that."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.component.announcements import Unbooked
+from visviva.component.component import Component
 from visviva.model.field import Role
 from visviva.model.model import Model
 
@@ -14,7 +17,13 @@ Array = NDArray[np.float64]
 
 
 class Spread:
-    """Accounts of the components with contents, where columns of a ledger are sums over all that store and lose alike.
+    """Accounts of some components alone, where columns of a ledger are sums over all that store and lose alike.
+
+    Parameters
+    ----------
+    model : Model
+    losing, storing : collection of int
+        Components whose works, dissipation and heat count, and those whose potentials do.
 
     Attributes
     ----------
@@ -22,12 +31,33 @@ class Spread:
         Of each account what is stored, or was lost so far: now, least and greatest.
     """
 
-    def __init__(self, model: Model) -> None:
-        of = {model.index(f.component) for f in model.fields if f.role is Role.CONTENT}
-        own = [(k, a.category) for k, a in enumerate(model.accounts) if a.component in of]
-        self._stored = [k for k, category in own if category == "potential"]
-        self._done = [k for k, category in own if category in ("work", "dissipation", "heat")]
+    def __init__(self, model: Model, losing: Collection[int], storing: Collection[int]) -> None:
+        def own(components: Collection[int], *categories: str) -> list[int]:
+            return [
+                k
+                for k, a in enumerate(model.accounts)
+                if a.component in components and a.category in categories
+            ]
+
+        self._stored = own(storing, "potential")
+        self._done = own(losing, "work", "dissipation", "heat")
         self.span = np.empty((0, len(self._stored) + len(self._done)))
+
+    @classmethod
+    def of(cls, model: Model, components: Iterable[Component]) -> Spread:
+        """What these components store and lose."""
+        own = {model.index(c) for c in components}
+        return cls(model, own, own)
+
+    @classmethod
+    def of_contents(cls, model: Model) -> Spread:
+        """What mixtures lose and heated bodies exchange.
+
+        Those that balance entropy turn one energy of theirs into another without an account of that.
+        """
+        contents = [f for f in model.fields if f.role is Role.CONTENT]
+        entropic = [f for f in contents if model.entropies.touches(np.asarray(f.unknowns))]
+        return cls(model, *({model.index(f.component) for f in some} for some in (contents, entropic)))
 
     def add(self, core: Any) -> None:
         """Take in the core's sums of a step, or of the initial state."""
@@ -40,3 +70,8 @@ class Spread:
     def swing(self) -> float:
         """Greatest value of all steps less the least one, of all accounts together."""
         return float(np.sum(self.span[2] - self.span[1])) if len(self.span) else 0.0
+
+
+def unbooked(components: Iterable[Component]) -> dict[Component, str]:
+    """Those that change energies by what is in no account, and why."""
+    return {c: c.unbooked for c in components if isinstance(c, Unbooked) and c.unbooked}

@@ -57,6 +57,7 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "entropy": books.entropy.done,
         "span": books.ledger.span,
         "spread": books.spread.span,
+        "unbooked": books.unbooked.span,
         "leap": books.leap.values,
     }
     records = [
@@ -119,10 +120,10 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         setattr(result.statistics, statistic.name, statistics.values[statistic.name])
     books.done, books.total0 = ledger.arrays["done"], float(ledger.values["total0"])
     books.entropy.done = ledger.arrays.get("entropy", books.entropy.done)
-    books.ledger.span, books.spread.span = (
-        ledger.arrays["span"],
-        ledger.arrays.get("spread", books.spread.span),
-    )
+    books.ledger.span = ledger.arrays["span"]
+    for name in ("spread", "unbooked"):
+        own = getattr(books, name)
+        own.span = ledger.arrays.get(name, own.span)
     books.leap.values = ledger.arrays.get("leap", books.leap.values)
 
 

@@ -1,0 +1,147 @@
+"""What an audit excuses, as far as what it names can bring about: energies out of nothing beside it are wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.model.term import Stencils, Term
+from visviva.results.audit import energy_verdict
+
+WELL = vv.DoubleWell(barrier=1.0)
+SQUARE = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+STIFF = vv.SaintVenantKirchhoff(young=100.0, poisson=0.2)
+
+
+class Leak(Term):
+    """A force on unknowns of an order that the ledger is told nothing of."""
+
+    def __init__(self, force: float, order: int) -> None:
+        super().__init__()
+        self.force, self.of = force, order
+
+    def residual(self, s: Stencils) -> Any:
+        r = np.zeros_like(s.x1)
+        r[:, self.order == self.of] = -self.force
+        return r
+
+    def tangent(self, s: Stencils) -> Any:
+        return np.zeros((1, s.x1.shape[1], s.x1.shape[1]))
+
+    def work(self, s: Stencils) -> Any:
+        return np.zeros(len(s.x1))
+
+
+class Kick(Leak):
+    """The same in one step alone."""
+
+    def residual(self, s: Stencils) -> Any:
+        return super().residual(s) * (0.33 < s.step.te < 0.37)
+
+
+class Push(Leak):
+    """The same, rising with the load."""
+
+    def residual(self, s: Stencils) -> Any:
+        return super().residual(s) * s.step.te
+
+
+def smooth() -> vv.CahnHilliard:
+    mesh = vv.SplineBox(size=(1, 1), counts=(2, 2), degree=2)
+    return vv.CahnHilliard(mesh=mesh, form="direct", free_energy=WELL, gradient_energy=1.0, concentration=0.5)
+
+
+def brittle(**options: Any) -> vv.FracturingSolid:
+    return vv.FracturingSolid(mesh=SQUARE, material=STIFF, toughness=1.0, length=1.0, **options)
+
+
+def resting_history() -> vv.FracturingSolid:
+    return brittle(density=1.0, irreversibility="history")
+
+
+def pulled_history() -> vv.FracturingSolid:
+    return brittle(density=1.0, irreversibility="history", velocity=lambda X: 3.0 * X * [1.0, 0.0, 0.0])
+
+
+def leaking(beside: Callable[[], Any], scheme: vv.Scheme | None = None, force: float = 0.5) -> vv.Result:
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    system = vv.System([beside(), ball, vv.UserTerm(term=Leak(force, 2), on=[ball])])
+    return vv.simulate(system, until=1.0, step=0.05, scheme=scheme)
+
+
+@pytest.mark.parametrize("beside", [smooth, resting_history])
+def test_what_rests_excuses_nothing(beside: Callable[[], Any]) -> None:
+    assert energy_verdict(leaking(beside)).startswith("WRONG, as this scheme conserves energy")
+
+
+def test_history_excuses_what_it_may_lose() -> None:
+    verdict = energy_verdict(leaking(pulled_history, force=0.0))
+    assert "has irreversibility = 'history'" in verdict
+
+
+def test_stored_strain_of_a_mixture_excuses_no_gain_of_others() -> None:
+    """What diffuses loses less than half of what the ball gains, strains of the spin store twenty times that."""
+
+    def spinning() -> vv.MixtureSolid:
+        return vv.MixtureSolid(
+            mesh=vv.RectangleMesh(size=(4, 4), counts=(4, 4)),
+            material=STIFF,
+            density=1.0,
+            free_energy=WELL,
+            gradient_energy=0.6,
+            concentration=lambda X: 0.5 + 0.1 * np.cos(np.pi * X[:, 0] / 4),
+            eigenstrain=0.01,
+            velocity=lambda X: (X - [2.0, 2.0, 0.0])[:, [1, 0, 2]] * [1.0, -1.0, 0.0],
+        )
+
+    assert energy_verdict(leaking(spinning, vv.BDF2())).startswith("WRONG, as this scheme is to dissipate")
+
+
+@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha()])
+def test_contents_out_of_nothing_are_no_excuse_of_themselves(scheme: vv.Scheme) -> None:
+    warm = vv.ThermalBody(mesh=SQUARE, conductivity=1.0, capacity=1.0, temperature=300.0)
+    filled = vv.CahnHilliard(mesh=SQUARE, free_energy=WELL, gradient_energy=0.5, concentration=0.0)
+    for body, force in ((warm, 1.0), (filled, 0.05)):
+        system = vv.System([body, vv.UserTerm(term=Leak(force, 1), on=[body])])
+        result = vv.simulate(system, until=1.0, step=0.05, scheme=scheme)
+        assert energy_verdict(result).startswith("WRONG, as this scheme is to dissipate energy")
+
+
+def test_entropy_at_rest_excuses_no_work_of_statics() -> None:
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=40.0, free_length=1.0)
+    along = vv.Constraint(of=[ball], function=lambda x: [x[1], x[2]], n=2)
+    crack = vv.ThermalFracturingSolid(
+        mesh=SQUARE,
+        material=STIFF,
+        toughness=1.0,
+        length=1.0,
+        heat=vv.Heat(conductivity=1.0, capacity=1.0, expansion=1e-5, reference=300.0),
+        temperature=300.0,
+    )
+    held = [vv.Fixed(solid=crack, nodes="x0"), vv.PrescribedTemperature(body=crack, nodes="x0", value=300.0)]
+    leak = vv.UserTerm(term=Push(20.0, 2), on=[ball])
+    result = vv.quasi_static(
+        vv.System([ground, ball, spring, along, leak, crack, *held]), until=1.0, step=0.1
+    )
+    assert energy_verdict(result).startswith("WRONG, if load steps were short")
+
+
+def test_a_kick_beside_what_cracks_is_no_jump_of_its_work() -> None:
+    """Most of the gain comes in one step, and what cracks stores none of it."""
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    mixture = vv.CahnHilliard(
+        mesh=SQUARE,
+        free_energy=WELL,
+        gradient_energy=1.0,
+        concentration=lambda X: 0.5 + 0.01 * X[:, 0],
+    )
+    kick = vv.UserTerm(term=Kick(20.0, 2), on=[ball])
+    system = vv.System([brittle(density=1.0), mixture, ball, kick])
+    result = vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+    assert np.diff(result.ledger["imbalance"]).max() > 0.3
+    assert energy_verdict(result).startswith("WRONG, as this scheme is to dissipate energy")
