@@ -167,3 +167,26 @@ def test_comparison_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
     start = time.process_time()
     agreement.refuse_different([ball], vv.Newton())
     assert time.process_time() - start < 0.5  # 24 MB
+
+
+class Second(seam.Alone):
+    """The second of two processes, which gets what the first one sends."""
+
+    rank, size = 1, 2
+
+    def __init__(self, sent: Any) -> None:
+        self.sent = sent
+
+    def first(self, value: Any) -> Any:
+        return self.sent
+
+
+def test_what_the_first_process_gets_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    result = vv.simulate(vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))]), until=0.2, step=0.1)
+    monkeypatch.setattr(seam, "_joined", [Second(("written", None))])
+    assert seam.by_first(lambda: "never done here") == "written"
+    result.ledger.to_csv(tmp_path / "ledger.csv")
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr(seam, "_joined", [Second((None, vv.RunError("the disk is full")))])
+    with pytest.raises(vv.RunError, match="the disk is full"):
+        result.plot(tmp_path / "plot.png")

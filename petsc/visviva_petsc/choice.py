@@ -108,7 +108,7 @@ def version() -> str:
 
 
 def refuse_unfit() -> None:
-    """Refuse a PETSc of other numbers.
+    """Refuse a PETSc of other numbers, or too old.
 
     Raises
     ------
@@ -118,4 +118,9 @@ def refuse_unfit() -> None:
         raise InputError(
             f"PETSc was built with numbers of type {np.dtype(PETSc.ScalarType)}; visviva needs float64: build it "
             "without --with-scalar-type and --with-precision"
+        )
+    if not hasattr(PETSc.Mat, "setPreallocationCOO"):
+        raise InputError(
+            f"petsc4py {version()} is too old, it fills no matrices by coordinates (Mat.setPreallocationCOO); install "
+            "a newer one and its PETSc, as docs/howto/many_processes.rst says"
         )

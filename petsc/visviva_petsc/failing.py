@@ -1,7 +1,8 @@
-"""Errors that nobody handles end all processes, with one message."""
+"""Errors that nobody handles end all processes, with one message; so does a process that leaves others waiting."""
 
 from __future__ import annotations
 
+import atexit
 import sys
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ PATIENCE = 5.0
 
 
 def end_all_together(world: World) -> None:
-    """Have every error that nobody handles end all processes."""
+    """Have every error that nobody handles end all processes, and every end that others wait for."""
     before = sys.excepthook
 
     def end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
@@ -26,4 +27,16 @@ def end_all_together(world: World) -> None:
         if not together:
             world.abort(1)
 
+    def leave() -> None:
+        other = world.leave()
+        if other is not None:
+            print(
+                f"process {world.rank} of {world.size} has come to its end, and process {other} waits for it: all have "
+                "to call what evaluates elements (steps, checks, fields, histories, pictures, files of results), and "
+                "none may leave alone",
+                file=sys.stderr,
+            )
+            world.abort(1)
+
     sys.excepthook = end
+    atexit.register(leave)

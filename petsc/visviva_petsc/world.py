@@ -23,14 +23,45 @@ class World:
     def __init__(self, comm: Any) -> None:
         self.comm = comm
         self.rank, self.size = comm.rank, comm.size
-        self.failing = comm.Dup()  # where those that fail meet
+        self.failing, self.leaving = (
+            comm.Dup(),
+            comm.Dup(),
+        )  # where those meet that fail, or come to their end
         self.met = time.monotonic()  # when all were together last
+        self.window = MPI.Win.Allocate(8, 8, comm=comm)  # others look into it
+        self.begun = np.frombuffer(
+            self.window.tomemory(), dtype=np.int64
+        )  # how often all were called together
+        self.begun[0] = 0
+        comm.Barrier()
 
     @property
     def joint(self) -> Any:
         """The communicator, for what all do together now."""
         self.met = time.monotonic()
+        self.begun[0] += 1
         return self.comm
+
+    def waiting(self) -> int | None:
+        """A process that waits for this one: it has begun what this one takes no part in."""
+        theirs = np.empty(1, dtype=np.int64)
+        for rank in range(self.size):
+            self.window.Lock(rank, MPI.LOCK_SHARED)
+            self.window.Get(theirs, rank)
+            self.window.Unlock(rank)
+            if theirs[0] > self.begun[0]:
+                return rank
+        return None
+
+    def leave(self) -> int | None:
+        """Wait until all have come to their end; or until one waits for this one, which is its number."""
+        arrived = self.leaving.Ibarrier()
+        while not arrived.Test():
+            if (other := self.waiting()) is not None:
+                return other
+            time.sleep(0.05)
+        self.window.Free()
+        return None
 
     def sum(self, values: Array) -> None:
         """Sum an array over the processes, in place."""

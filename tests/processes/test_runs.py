@@ -9,6 +9,7 @@ import pytest
 
 from processes.launch import launched, missing
 from visviva.output.tables import read_table
+from visviva.output.trajectory import Trajectory
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=f"needs {missing()}")
 TORUS = ("-m", "visviva", "run", "torus", "--set", "counts=[12, 8, 1]", "--set", "spin=0.5", "--no-pictures")
@@ -250,3 +251,131 @@ def test_what_differs_is_told_once(tmp_path: Path) -> None:
     done = launched(2, str(tmp_path / "sets.py"))
     assert done.returncode != 0
     assert done.stderr.count("take components from lists rather than sets") == 1
+
+
+WRITTEN = """
+import sys
+from pathlib import Path
+
+import visviva as vv
+from visviva.base.world import world
+
+place = Path(sys.argv[1])
+block = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=100.0, poisson=0.3),
+                 density=1.0, name="block")
+centre = vv.CentreOfMass(of=block)
+held = [vv.Fixed(solid=block, nodes="x0"), vv.Traction(solid=block, faces="x1", traction=(0, 0, 0.1), times="t")]
+system = vv.System([block, *held])
+moved = vv.simulate(system, until=0.3, step=0.1, record={"centre": centre})
+moved.write(place / "moved")
+moved.to_csv(place / "moved.csv", centre)
+moved.plot(place / "moved.svg")
+shown = moved.picture(place / "moved.png", field="von_mises")
+bent = vv.simulate(system, until=1.0, step=0.5, scheme=vv.Static(), start="beginning")
+bent.write(place / "bent.vtkhdf")
+vv.arc_length(system, until=1.2, step=0.1, steps=20).write(place / "path")
+plate = vv.Solid(mesh=block.mesh, material=block.material, density=1.0)
+vv.modes(vv.System([plate, vv.Fixed(solid=plate, nodes="x0")]), 1).picture(place / "mode.png")
+told = [len(shown.data) == (place / "moved.png").stat().st_size]
+try:
+    moved.write(place / "moved")
+except vv.InputError as error:
+    told.append("already holds a run" in str(error))
+if world().size > 1:
+    told = world().together(told)
+if world().rank == 0:
+    print(told)
+"""
+
+
+def test_results_are_written_once(tmp_path: Path) -> None:
+    """Processes that wrote the same files at once broke them, and ended each other."""
+    (tmp_path / "written.py").write_text(WRITTEN)
+    for n, name in ((0, "alone"), (2, "two")):
+        (tmp_path / name).mkdir()
+        done = launched(n, str(tmp_path / "written.py"), str(tmp_path / name))
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[-1] == str([[True, True]] * n or [True, True])
+    one, two = tmp_path / "alone", tmp_path / "two"
+    names = {file.relative_to(one).as_posix() for file in one.rglob("*")}
+    assert {file.relative_to(two).as_posix() for file in two.rglob("*")} == names
+    assert {"moved/trajectory.vtkhdf", "moved.csv", "moved.svg", "moved.png", "mode.png"} <= names
+    assert differences(one / "moved", two / "moved") < 1e-11
+    assert differences(one / "path", two / "path") < 1e-6
+    for name in ("moved/trajectory.vtkhdf", "bent.vtkhdf", "path/trajectory.vtkhdf"):
+        with Trajectory(one / name) as a, Trajectory(two / name) as b:
+            assert len(a.times) == len(b.times) > 2
+
+
+LEAVES = """
+import sys
+import time
+
+import visviva as vv
+from visviva.base.world import world
+
+rank, kind = world().rank, sys.argv[1]
+block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                 density=1.0, angular_velocity=(0, 0, 1), name="block")
+system = vv.System([block])
+
+
+def look(system):
+    if kind == "exit" and rank == 1 and system.time > 0.12:
+        sys.exit("drifted too far")
+
+
+result = vv.simulate(system, until=0.2, step=0.05, observe=look)
+if rank == 0:
+    if kind == "check":
+        system.check()
+    if kind == "history":
+        result.history(lambda s: float(block.mean("energy", s.x).sum()))
+    if kind == "picture":
+        result.picture(field="von_mises")
+    if kind == "forces":
+        block.nodal_forces(system.x)
+    if kind == "step":
+        system.step(0.01)
+    if kind == "slow":
+        time.sleep(8.0)
+        print("through")
+"""
+
+
+@pytest.mark.parametrize("kind", ["exit", "check", "history", "picture", "forces", "step"])
+def test_a_process_that_others_wait_for_ends_all(kind: str, tmp_path: Path) -> None:
+    """They waited for ever."""
+    (tmp_path / "leaves.py").write_text(LEAVES)
+    done = launched(2, str(tmp_path / "leaves.py"), kind)
+    assert done.returncode != 0
+    assert done.stderr.count("process 1 of 2 has come to its end, and process 0 waits for it") == 1
+    assert ("drifted too far" in done.stderr) == (kind == "exit")
+
+
+def test_a_process_may_take_longer_than_others(tmp_path: Path) -> None:
+    """Such as the first, which draws."""
+    (tmp_path / "leaves.py").write_text(LEAVES)
+    done = launched(2, str(tmp_path / "leaves.py"), "slow")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "through\n"
+
+
+OLD = """
+from types import SimpleNamespace
+
+import visviva as vv
+from visviva_petsc import choice
+
+choice.PETSc = SimpleNamespace(ScalarType=float, Mat=object, Sys=SimpleNamespace(getVersion=lambda: (3, 18, 5)))
+try:
+    choice.refuse_unfit()
+except vv.InputError as error:
+    print(error)
+"""
+
+
+def test_an_old_petsc_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "old.py").write_text(OLD)
+    done = launched(0, str(tmp_path / "old.py"))
+    assert done.stdout.startswith("petsc4py 3.18.5 is too old"), done.stderr

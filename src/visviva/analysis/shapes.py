@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import positive
 from visviva.base.errors import InputError
+from visviva.base.world import by_first
 from visviva.system.memory import refuse_recomposed
 
 if TYPE_CHECKING:
@@ -89,4 +90,4 @@ class Shapes:
             raise InputError(f"picture: shape {k} moves nothing that is drawn; look at the shapes themselves")
         far = amplitude * size / apart
         moved = [a + far * (b - a) for a, b in zip(here, near, strict=True)]
-        picture(drawing.surfaces, png, points=moved, camera=camera)
+        by_first(lambda: picture(drawing.surfaces, png, points=moved, camera=camera))

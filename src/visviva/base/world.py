@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from visviva.base import processes
 from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 SEAM = 2
 """Version of what a package that brings processes together has to offer: `World`, and solvers by ``choose``."""
@@ -111,6 +113,31 @@ def world() -> World:
 def joined() -> World:
     """Those that have come together so far, for who tells of errors."""
     return _joined[0] if _joined else Alone()
+
+
+def by_first(do: Callable[[], T]) -> T:
+    """What the first process gets by doing this alone, in all of them, or its error; all call it.
+
+    So everything is written that all have evaluated: two that write one file break it.
+
+    Examples
+    --------
+    >>> by_first(lambda: "written")
+    'written'
+    """
+    if world().size == 1:
+        return do()
+    found: T | None = None
+    error: Exception | None = None
+    if world().rank == 0:
+        try:
+            found = do()
+        except Exception as failure:  # whatever it is, others wait for it
+            error = failure
+    found, error = world().first((found, error))
+    if error is not None:
+        raise error
+    return cast("T", found)
 
 
 def announce(message: str) -> None:

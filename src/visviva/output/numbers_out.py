@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.base.world import by_first
 from visviva.output.tables import Table
 
 Array = NDArray[np.float64]
@@ -33,7 +34,7 @@ def dataframe(columns: Mapping[str, Array]) -> Any:
 
 
 def write_table(path: str | Path, columns: Mapping[str, tuple[Array, str]]) -> Path:
-    """Write columns with their units as CSV; returns the path.
+    """Write columns with their units as CSV, which all processes have; returns the path.
 
     Examples
     --------
@@ -42,7 +43,11 @@ def write_table(path: str | Path, columns: Mapping[str, tuple[Array, str]]) -> P
     >>> file.read_text().splitlines()
     ['time [s],x [mm]', '0.0,1.0']
     """
-    with Table(path, {name: unit for name, (_, unit) in columns.items()}) as table:
-        for row in zip(*(values for values, _ in columns.values()), strict=True):
-            table.append(row)
+
+    def write() -> None:
+        with Table(path, {name: unit for name, (_, unit) in columns.items()}) as table:
+            for row in zip(*(values for values, _ in columns.values()), strict=True):
+                table.append(row)
+
+    by_first(write)
     return Path(path)

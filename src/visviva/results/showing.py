@@ -7,19 +7,21 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from visviva.base.html import Markup, sparkline, table
+from visviva.base.world import by_first, world
 from visviva.output.directory import RunDirectory
 from visviva.results.audit import course, figures, judgements
 from visviva.results.looking_back import tabulated, units_of_columns
 from visviva.results.naming import labels_of, up_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from visviva.output.labels import Labels
     from visviva.output.page import Page
@@ -54,16 +56,16 @@ class Picture:
         )
 
 
-@contextmanager
-def target(file: str | Path | None) -> Iterator[Path]:
-    """The file, or a temporary one."""
-    with tempfile.TemporaryDirectory() as folder:
-        yield Path(folder) / "picture.png" if file is None else Path(file)
+def made(file: str | Path | None, draw: Callable[[Path], object]) -> Picture:
+    """What is drawn into the file, or a temporary one, by the first process."""
 
+    def drawn() -> bytes:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "picture.png" if file is None else Path(file)
+            draw(path)
+            return path.read_bytes()
 
-def made(path: Path, file: str | Path | None) -> Picture:
-    """Drawn file, and its place if it stays."""
-    return Picture(path.read_bytes(), None if file is None else path)
+    return Picture(by_first(drawn), None if file is None else Path(file))
 
 
 def labels(result: Result, columns: Mapping[str, str] | None = None) -> Labels:
@@ -77,11 +79,8 @@ def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) 
 
     ledger = dict(zip(result.ledger.names, result.ledger.table.T, strict=True))
     series = tabulated(result, probes)
-    with target(file) as path:
-        overview(
-            ledger, series, path, labels=labels(result, units_of_columns(result, probes, result.system.units))
-        )
-        return made(path, file)
+    named = labels(result, units_of_columns(result, probes, result.system.units))
+    return made(file, lambda path: overview(ledger, series, path, labels=named))
 
 
 @contextmanager
@@ -90,14 +89,9 @@ def trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
     diagram = options.get("diagram")
     asked = [options.get("field"), options.get("vectors"), f"diagram_{diagram}" if diagram else None]
     wanted = [str(name) for name in asked if name]
-    if result.directory is not None and result.directory.trajectory.exists():
-        from visviva.output.trajectory import Trajectory
-
-        with Trajectory(result.directory.trajectory) as stored:
-            holds_all = set(wanted) <= set(stored.fields)
-        if holds_all:
-            yield result.directory.trajectory
-            return
+    if result.directory is not None and by_first(partial(has_fields, result.directory.trajectory, wanted)):
+        yield result.directory.trajectory
+        return
     from visviva.measure.names import usual_fields
 
     with tempfile.TemporaryDirectory() as folder:
@@ -106,13 +100,22 @@ def trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
         yield path
 
 
+def has_fields(file: Path, wanted: Sequence[str]) -> bool:
+    """Whether a trajectory is there, and all these fields in it."""
+    from visviva.output.trajectory import Trajectory
+
+    if not file.exists():
+        return False
+    with Trajectory(file) as stored:
+        return set(wanted) <= set(stored.fields)
+
+
 def picture_of(result: Result, file: str | Path | None, **options: Any) -> Picture:
     """A moment of the motion."""
     from visviva.output.picture import snapshot
 
-    with trajectory(result, options) as motion, target(file) as path:
-        snapshot(motion, path, **options)
-        return made(path, file)
+    with trajectory(result, options) as motion:
+        return made(file, lambda path: snapshot(motion, path, **options))
 
 
 def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
@@ -120,7 +123,7 @@ def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
     from visviva.output.movie import movie
 
     with trajectory(result, options) as motion:
-        movie(motion, file, **options)
+        by_first(partial(movie, motion, file, **options))
     return Path(file)
 
 
@@ -131,18 +134,18 @@ def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | N
 
     if window:
         with trajectory(result, options) as motion:
-            show(motion, **options)
+            by_first(partial(show, motion, **options))
         return None
     with tempfile.TemporaryDirectory() as folder:
         write_directory(result, Path(folder) / "run")
-        page = Page(write_page(Path(folder) / "run", **options).read_text(encoding="utf-8"))
-    if has_screen() and "ipykernel" not in sys.modules:
+        page = Page(by_first(lambda: write_page(Path(folder) / "run", **options).read_text(encoding="utf-8")))
+    if world().rank == 0 and has_screen() and "ipykernel" not in sys.modules:
         page.open()
     return page
 
 
 def write_trajectory(result: Result, path: str | Path, fields: Iterable[str] | None = None) -> None:
-    """The kept states as a file for ParaView, pictures and movies."""
+    """The kept states as a file for ParaView, pictures and movies: evaluated by all processes, written by the first."""
     from visviva.measure.names import usual_fields
     from visviva.output.vtkhdf import TrajectoryWriter
     from visviva.results.drawing import Drawing
@@ -150,23 +153,24 @@ def write_trajectory(result: Result, path: str | Path, fields: Iterable[str] | N
     drawing = Drawing(result.system, fields=tuple(usual_fields(result.system) if fields is None else fields))
     grow = bool((np.diff(result.times) > 0).all())
     times = (result.times if grow else np.arange(len(result.times), dtype=float)).tolist()
-    with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:
+    with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:  # opens nothing yet
         for time, x, v, records in zip(times, result.states, result.rates, result.records, strict=False):
-            writer.append(time, drawing.points(x), drawing.values(x, v, records))
+            frame = time, drawing.points(x), drawing.values(x, v, records)
+            by_first(partial(writer.append, *frame))
 
 
 def write_directory(result: Result, path: str | Path, fields: Sequence[str] | None = None) -> None:
     """Trajectory, tables, names and figures in a directory, like those of a run but for its restart state."""
     from visviva.results.drawing import Drawing
 
-    files = RunDirectory.create(path)
+    files = by_first(partial(RunDirectory.create, path))
     units = units_of_columns(result, result.recorded.probes, result.system.units)
-    files.write_labels(labels(result, units))
+    named = labels(result, units)
+    by_first(lambda: files.write_labels(named))
     result.ledger.to_csv(files.ledger)
     result.to_csv(files.probes)
-    files.write_summary(
-        {"scheme": str(result.scheme), "end_time": result.ledger.last("time"), **figures(result)}
-    )
+    told = {"scheme": str(result.scheme), "end_time": result.ledger.last("time"), **figures(result)}
+    by_first(lambda: files.write_summary(told))
     if Drawing(result.system).surfaces:
         write_trajectory(result, files.trajectory, fields)
 
