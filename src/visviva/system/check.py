@@ -382,7 +382,8 @@ def refuse_unheld(system: System, at: Instant) -> None:
     alone = np.ones(len(system.x), dtype=bool)
     for f in system.model.fields:
         alone[f.start : f.start + f.size] = f.node == 1
-    massless = np.flatnonzero((abs(at.M).sum(axis=1) == 0) & alone[at.coordinates])
+    own = np.flatnonzero(alone[at.coordinates])
+    massless = own[abs(at.M[own]).sum(axis=1) == 0]
     if len(massless) == 0:
         return
     A = system.tangent(EnergyMomentum().step(system.time, 1.0))[1][:, at._q[massless]]

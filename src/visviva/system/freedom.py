@@ -17,6 +17,7 @@ from visviva.component.point import Attachable
 from visviva.model.field import Role
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 from visviva.system.instant import instant, refuse_infinite
+from visviva.system.shared import square
 
 if TYPE_CHECKING:
     from visviva.model.field import Field
@@ -357,16 +358,16 @@ def _free_combinations(system: System, motions: Sequence[Motions], moves: Array,
 
     What they meet are forces and violations of constraints, relative to the terms that cancel in them.
     """
-    import scipy.sparse as sp
-
     system.core.find_neighbours()  # bodies may rest on what they touch
     row, col, unknown = (np.asarray(a) for a in system.core.csr)
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)
-    K = sp.csr_array((values, col, row), shape=(len(unknown),) * 2)
+    K = square(values, col, row)
     R = moves[unknown]
     forces, met = np.zeros_like(moves), np.zeros_like(moves)
-    forces[unknown], met[unknown] = K @ R, abs(K) @ np.abs(R)
+    forces[unknown] = K @ R
+    np.abs(K.data, out=K.data)  # where a copy would be the most that a run ever holds
+    met[unknown] = K @ np.abs(R)
     refuse_infinite(system, np.asarray(unknown), met[unknown].sum(axis=1) + residual[unknown])
     for part in (forces, met, residual):  # of rows that processes share
         world().sum(part)

@@ -12,6 +12,8 @@ from visviva.base.world import world
 from visviva.linear.petsc import Petsc
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
     from visviva.linear.choice import LinearOptions
     from visviva.system.system import System
 
@@ -53,6 +55,15 @@ def whole_rows(core: Any, values: Array | None = None) -> tuple[Rows, Array | No
     A = sp.coo_array((value, (np.searchsorted(known, i), np.searchsorted(known, j))), shape=(n, n)).tocsr()
     A.sum_duplicates()
     return (A.indptr.astype(np.int64), A.indices.astype(np.int32), known.astype(np.int64)), A.data
+
+
+def square(values: Array, col: NDArray[np.int32], row: NDArray[np.int64]) -> sp.csr_array:
+    """A square matrix by compressed rows: rows take the type of the columns, else columns are copied to theirs."""
+    import scipy.sparse as sp
+
+    n = len(row) - 1
+    short = row if len(col) >= 2**31 else row.astype(col.dtype)
+    return sp.csr_array((values, col, short), shape=(n, n))
 
 
 def n_equations(system: System) -> int:

@@ -37,7 +37,7 @@ from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
 from visviva.system.problem import hand_solvers
-from visviva.system.shared import whole_rows
+from visviva.system.shared import square, whole_rows
 from visviva.system.stepper import Stepper
 from visviva.system.steps import Attempt
 from visviva.system.tied_heat import even_out
@@ -491,18 +491,16 @@ class System(metaclass=Named):
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""
-
-        import scipy.sparse as sp
-
         self.core.find_neighbours()
-        row, col, unknown = self.pattern
+        row, col, _ = self.pattern
         values = np.zeros(len(self.core.csr[1]))
         residual = np.zeros(len(self.x))
         self.core.assemble(step, self.signals(step), residual, values)
-        n = len(unknown)
-        K = sp.csr_array((whole_rows(self.core, values)[1], col, row), shape=(n, n))
+        _, whole = whole_rows(self.core, values)
+        assert whole is not None  # as values are given
+        K = square(whole, col.copy(), row)  # others may sort theirs
         free = self.free_equations
-        return residual, K if len(free) == n else K[free][:, free]
+        return residual, K if len(free) == K.shape[0] else K[free][:, free]
 
     @property
     def last_step(self) -> float:
