@@ -14,6 +14,7 @@ from visviva import _core
 from visviva.base.errors import InputError
 from visviva.base.world import world
 from visviva.linear.choice import Automatic, Choice, Direct, LinearOptions, Problem, Temperatures
+from visviva_petsc.flow import BESIDE, FlowSolver
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
 from visviva_petsc.trial import refuse_unknown
@@ -74,12 +75,15 @@ def methods_for(problem: Problem) -> list[tuple[str, Options]]:
         if not problem.nearly:
             methods.append(("conjugate gradients with multigrid", {"ksp_type": "cg", **MULTIGRID, **CLOSE}))
         methods.append(("GMRES with multigrid", {"ksp_type": "gmres", **MULTIGRID, **CLOSE}))
+    if problem.is_flow and problem.is_large_flow:
+        methods.append(("GMRES with velocities and pressures in turn", BESIDE))
     return methods
 
 
 def chosen(name: str, options: Options) -> _core.LinearChoice:
     """What the core is told."""
-    return outside(partial(Solver, name, options))
+    kind = FlowSolver if options.get("pc_type") == "fieldsplit" else Solver
+    return outside(partial(kind, name, options))
 
 
 def outside(make: Callable[[], Any]) -> _core.LinearChoice:

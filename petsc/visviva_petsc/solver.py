@@ -78,12 +78,17 @@ class Solver:
         self.give_modes(modes[own], self.equation[own])
         self.ksp = PETSc.KSP().create(self.comm)
         self.ksp.setOptionsPrefix(self.prefix)
-        database = PETSc.Options()
-        for name, value in self.options.items():
-            database.setValue(self.prefix + name, value or None)
-        self._closing = weakref.finalize(self, forget_options, [self.prefix + name for name in self.options])
-        self.ksp.setFromOptions()
+        self.set_options(self.options)
         self.is_direct = self.ksp.getPC().getType() in DIRECT
+
+    def set_options(self, options: dict[str, str]) -> None:
+        """Give the solver its options, which leave PETSc's database with it."""
+        if self._closing is not None:
+            self._closing()
+        for name, value in options.items():
+            PETSc.Options().setValue(self.prefix + name, value or None)
+        self._closing = weakref.finalize(self, forget_options, [self.prefix + name for name in options])
+        self.ksp.setFromOptions()
 
     def give_modes(self, modes: Array, equation: Ints) -> None:
         """Tell the matrix what it hardly resists, rigid motions of solids."""
@@ -105,6 +110,7 @@ class Solver:
         self.A.setValuesCOO(np.pad(values, (0, len(self.lacking))) if len(self.lacking) else values)
         self.ksp.setOperators(self.A)
         try:
+            self.prepare()
             self.ksp.setUp()
         except PETSc.Error as error:  # of solvers that do not suit the matrix; all processes meet the same
             self.message = told(error)
@@ -112,6 +118,9 @@ class Solver:
         failed = self.ksp.getPC().getFailedReason()
         self.message = f"its preconditioner failed ({failed})" if failed else ""
         return not failed
+
+    def prepare(self) -> None:
+        """Whatever has to be known before the solver is set up."""
 
     def solve(self, r: Array, d: Array, tolerance: float) -> bool:
         """Solve for a residual (n,), of which every process has a part; d (n,) is set where it has equations."""

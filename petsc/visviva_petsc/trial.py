@@ -62,6 +62,8 @@ def solves() -> bool:
     right.set(1.0)
     try:
         ksp.setFromOptions()
+        if ksp.getPC().getType() == "fieldsplit":
+            ksp.getPC().setFieldSplitFields(3, ("velocity", [0, 1]), ("pressure", [2]))
     except PETSc.Error as error:
         raise InputError(f"options of PETSc: {told(error)}") from None
     else:

@@ -15,9 +15,10 @@ class Petsc(LinearOptions):
     """Solve by PETSc: in one process, or in all that share the system.
 
     Solids by conjugate gradients with aggregation multigrid (GAMG) on their rigid motions, in short time steps with
-    blocks of nodes first; where that fails by GMRES with the same. Heat alone by multigrid as well. Everything else by
-    factors of MUMPS or SuperLU_DIST, if PETSc was built with them, else in the first process by what one would choose.
-    What several processes share is solved so if nothing else is said. Needs ``visviva-petsc``.
+    blocks of nodes first; where that fails by GMRES with the same. Heat alone by multigrid as well. Large flows in
+    space by GMRES with velocities and pressures in turn (fieldsplit). Everything else by factors of MUMPS or
+    SuperLU_DIST, if PETSc was built with them, else in the first process by what one would choose. What several
+    processes share is solved so if nothing else is said. Needs ``visviva-petsc``.
 
     Parameters
     ----------
