@@ -246,3 +246,10 @@ def test_what_excludes_each_other_is_periodic_alike() -> None:
     ]
     with pytest.raises(vv.InputError, match="not on the same mesh, with the same periodic sides"):
         vv.Exclusion(bodies=grains, strength=1.0)
+
+
+def test_edges_of_a_surface_in_space_are_no_faces() -> None:
+    plate = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)).build().surface("z1")
+    skin = body(mesh=plate)
+    with pytest.raises(vv.InputError, match="edges of a surface in space are no faces"):
+        vv.System([skin, vv.Wetting(body=skin, faces="all", angle=60.0)])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.body.element import depth
 from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces
@@ -122,6 +123,10 @@ def face_points(
     6.0
     """
     points, plane = in_space(grid), grid.points.shape[1] == 2
+    if not plane and any(CELLS[kind].dimension == 1 for kind in faces.cells):
+        raise InputError(
+            "edges of a surface in space are no faces: normals and areas are of faces of solids, or of edges in a plane"
+        )
     for kind, nodes in faces.cells.items():
         xi, w = mass_rule(kind)
         N, dN = CELLS[kind].N(xi), CELLS[kind].dN(xi)

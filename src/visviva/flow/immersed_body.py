@@ -69,7 +69,7 @@ class ImmersedBody(Carried):
 
     Between marks viscosity alone holds the fluid: where it is small or the start is sudden, fluid passes through the
     body, however fine the cells, and a light body accelerates much too fast. Take ``spacing=1`` there, in stabilised
-    quadrilaterals and hexahedra; slow steady flow is nearer with 1.5, as closer marks drag more.
+    quadrilaterals; drag in steady flow is nearer with 1.5, as closer marks drag more.
 
     Examples
     --------

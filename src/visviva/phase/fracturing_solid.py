@@ -53,7 +53,8 @@ ROUNDING = 1e-9
 class FracturingSolid(Solid):
     """A solid that cracks: its nodes have damages beside positions.
 
-    Takes the arguments of `Solid`, with ``formulation="displacement"``, in space, plane strain or axisymmetric (cracks
+    Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, with
+    ``formulation="displacement"``, in space, plane strain or axisymmetric (cracks
     are of revolution then, areas and energies those of the whole turn), and
 
     Parameters

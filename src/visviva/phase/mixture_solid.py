@@ -55,7 +55,8 @@ class Chemistry(CahnHilliard):
 class MixtureSolid(Limited, Solid):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
 
-    Takes the arguments of `Solid`, in space or in plane strain, with ``formulation="displacement"``, and
+    Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, in space or in plane strain,
+    with ``formulation="displacement"``, and
 
     Parameters
     ----------
