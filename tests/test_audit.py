@@ -110,34 +110,6 @@ def test_a_solid_that_cracks_excuses_no_gain_of_others(beside: str) -> None:
     assert verdicts[1].startswith("WRONG, as this scheme is to dissipate energy")
 
 
-def shrinking(scheme: vv.Scheme, strain: Any, *more: Any) -> vv.Result:
-    """A clamped square that cracks as it would shrink."""
-    body = vv.FracturingSolid(
-        mesh=vv.RectangleMesh(size=(1, 1), counts=(2, 2)),
-        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
-        density=1.0,
-        toughness=0.005,
-        length=1.0,
-        free_strain=lambda t, X: np.full(len(X), strain(t)),
-    )
-    held = vv.Fixed(solid=body, nodes="x0")
-    return vv.simulate(vv.System([body, held, *more]), until=0.6, step=0.01, scheme=scheme)
-
-
-@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha()])
-def test_work_of_strains_that_jump_in_what_cracks_is_no_sum_of_forces_at_ends(scheme: vv.Scheme) -> None:
-    """What is left of the stress at the end tells little of what it was: said at any step, and not in ramps."""
-    result = shrinking(scheme, lambda t: -0.1 * (t > 0.105))
-    assert result.ledger.greatest("imbalance") > 0.5 * result.ledger.swing("potential_stored")
-    assert "one step of what cracks made most of this: let what jumps rise" in energy_verdict(result)
-    ramp = energy_verdict(shrinking(scheme, lambda t: -0.1 * min(t / 0.5, 1.0)))
-    assert not ramp.startswith("WRONG")
-    assert "one step" not in ramp
-    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
-    leaks = shrinking(scheme, lambda t: -0.1 * (t > 0.105), ball, vv.UserTerm(term=Leak(), on=[ball]))
-    assert energy_verdict(leaks).startswith("WRONG")
-
-
 def lines(result: vv.Result) -> dict[str, str]:
     """Verdicts of the audit by what they are about."""
     return {judged.what: judged.verdict for judged in judgements(result)}

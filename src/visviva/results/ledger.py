@@ -18,7 +18,6 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
-from visviva.results.leap import Leap
 from visviva.results.spread import Spread, unbooked
 from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
@@ -61,8 +60,6 @@ class Sizes:
     spread, unbooked : Spread, optional
         What components with contents, and those with `Unbooked` changes, stored and lost so far; a ledger that was
         read has none.
-    leap : Leap, optional
-        The step in which the balance gained most.
     """
 
     mass: float = 0.0
@@ -72,7 +69,6 @@ class Sizes:
     inner: tuple[str, ...] = ()
     spread: Spread | None = None
     unbooked: Spread | None = None
-    leap: Leap | None = None
 
 
 @dataclass(repr=False)
@@ -307,7 +303,6 @@ class Bookkeeper:
         Work and heat so far by kind.
     entropy : EntropyBooks
     spread, unbooked : Spread
-    leap : Leap
     total0 : float or None
         Energy of the initial state, None before its row is booked.
     """
@@ -318,7 +313,7 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        self.spread, self.leap = Spread.of_contents(system.model), Leap(system.model)
+        self.spread = Spread.of_contents(system.model)
         self.unbooked = Spread.of(system.model, unbooked(system.components))
         mass = sum(c.total_mass for c in system.components)
         self.entropy = EntropyBooks(system.model, system.scale)
@@ -327,7 +322,7 @@ class Bookkeeper:
         with undisturbed(system):
             forces = force_scale(system)
             inner = inner_potentials(system)
-            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.unbooked, self.leap)
+            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.unbooked)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -363,7 +358,6 @@ class Bookkeeper:
         momentum = core.momentum.reshape(-1, 6).sum(axis=0)
         defect = (core.defect.reshape(-1, 2) * self._per_reach).max(axis=0)
         imbalance = total - self.total0 - self.done.sum()
-        self.leap.add(imbalance, energy)
         entropy = self.entropy.row(core, self.ledger)
         row = np.concatenate(
             [[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect, entropy]

@@ -44,6 +44,11 @@ class Spread:
         self.span = np.empty((0, len(self._stored) + len(self._done)))
 
     @classmethod
+    def empty(cls) -> Spread:
+        """Nothing, as of a ledger that was read."""
+        return cls(Model(), (), ())
+
+    @classmethod
     def of(cls, model: Model, components: Iterable[Component]) -> Spread:
         """What these components store and lose."""
         own = {model.index(c) for c in components}
@@ -67,9 +72,19 @@ class Spread:
         self.span = np.array([now, np.minimum(now, least), np.maximum(now, greatest)])
 
     @property
-    def swing(self) -> float:
-        """Greatest value of all steps less the least one, of all accounts together."""
-        return float(np.sum(self.span[2] - self.span[1])) if len(self.span) else 0.0
+    def stored(self) -> float:
+        """Greatest value of all steps less the least one, of all that is stored."""
+        return float(self._swings[: len(self._stored)].sum())
+
+    @property
+    def done(self) -> float:
+        """The same of all that was lost or brought."""
+        return float(self._swings[len(self._stored) :].sum())
+
+    @property
+    def _swings(self) -> Array:
+        least, greatest = self.span[1:] if len(self.span) else np.zeros((2, len(self._stored)))
+        return np.asarray(greatest - least)
 
 
 def unbooked(components: Iterable[Component]) -> dict[Component, str]:

@@ -58,7 +58,6 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "span": books.ledger.span,
         "spread": books.spread.span,
         "unbooked": books.unbooked.span,
-        "leap": books.leap.values,
     }
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
@@ -124,7 +123,6 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     for name in ("spread", "unbooked"):
         own = getattr(books, name)
         own.span = ledger.arrays.get(name, own.span)
-    books.leap.values = ledger.arrays.get("leap", books.leap.values)
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
