@@ -183,6 +183,8 @@ def test_an_error_of_one_process_ends_all(tmp_path: Path) -> None:
 
 
 DIFFER = """
+import sys
+
 import numpy as np
 import visviva as vv
 from visviva.base.world import world
@@ -198,6 +200,10 @@ def drawn(X):
     return np.random.default_rng().normal(size=X.shape)
 
 
+def record(**given):
+    return vv.run(vv.Study(vv.System([bar()]), 0.1, 0.05, title="bar"), sys.argv[1], progress=False, **given)
+
+
 def run(until=0.1, moved=0.0, alike=(), **given):
     system = vv.System([bar(**given), *(bar(100.0 * k, f"bar {k}") for k in alike)])
     system.x[0] += moved
@@ -206,10 +212,10 @@ def run(until=0.1, moved=0.0, alike=(), **given):
 
 
 tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
-         {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {}]
+         {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank}, {}]
 for given in tried:
     try:
-        run(**given)
+        (record if "every" in given else run)(**given)
         told = "went on"
     except vv.InputError as error:
         told = str(error)
@@ -221,7 +227,7 @@ for given in tried:
 def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) -> None:
     """They computed on, each with its part of another body, or waited for each other for ever."""
     (tmp_path / "differ.py").write_text(DIFFER)
-    done = launched(2, str(tmp_path / "differ.py"))
+    done = launched(2, str(tmp_path / "differ.py"), str(tmp_path / "run"))
     assert done.returncode == 0, done.stderr
     told = done.stdout.splitlines()
     beginnings = (
@@ -231,6 +237,7 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
         "Solid 'bar': rates of position (unknowns from 0 on) is array(",
         "march: until is 0.1 in process 0, 0.15",
         "Solid 'bar': state of position (unknowns from 0 on) is array(",
+        "march: every is 1 in process 0, 2 in process 1.",
     )
     for line, begins in zip(told, beginnings, strict=False):
         assert line.startswith(f"processes differ: {begins}"), line

@@ -21,6 +21,7 @@ from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
 from visviva.study.profile import Profile, profile_text
 from visviva.study.study import Study, probe_columns
+from visviva.system import agreement
 from visviva.system.turn import alone
 
 if TYPE_CHECKING:
@@ -127,11 +128,12 @@ def run(
     refuse_unaware()
     deadline = None if time_limit is None else Deadline(positive("run", "time_limit", time_limit))
     refuse_mixed(resume, force, overwrite)
-    if not number("run", "save_every", save_every) >= 0:
-        raise InputError(f"save_every = {save_every} is not a number of seconds")
-    positive("run", "frames_per_second", frames_per_second)
+    refuse_paces(save_every, frames_per_second)
     settle_times(study)
     system = study.system
+    refuse_different(
+        study, str(directory), every=every, save_every=save_every, limit=time_limit, resume=resume
+    )
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
     if resume:
         files = RunDirectory.open(directory)
@@ -190,6 +192,19 @@ def refuse_mixed(resume: bool, force: bool, overwrite: bool) -> None:
         raise InputError(
             "overwrite=True and resume=True exclude each other: delete the earlier run, or continue it"
         )
+
+
+def refuse_paces(save_every: float, frames_per_second: float) -> None:
+    """Refuse what is no number of seconds or of frames."""
+    if not number("run", "save_every", save_every) >= 0:
+        raise InputError(f"save_every = {save_every} is not a number of seconds")
+    positive("run", "frames_per_second", frames_per_second)
+
+
+def refuse_different(study: Study, directory: str, **wishes: object) -> None:
+    """Refuse runs that other processes are to record otherwise."""
+    recorded = {"directory": directory, "probes": list(study.probes), "fields": study.fields}
+    agreement.refuse_different_marches(until=study.until, step=study.step, **recorded, **wishes)
 
 
 def settle_times(study: Study) -> None:
