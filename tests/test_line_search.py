@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from visviva.analysis.load_steps import Bracket, Equilibrium
+from visviva.analysis.load_steps import Bracket
 
 REFUSED = np.nan
 
@@ -61,10 +61,3 @@ class Line:
 
     def _refused(self, time: float) -> str:
         return "turned inside out" if self.low < self.dx[0] <= self.high else ""
-
-
-def test_a_refused_state_below_one_that_was_too_long() -> None:
-    """The work changes its sign at 0.9, beyond which it was too long: from a refused 0.5 it went on to 0.75."""
-    line: Any = Line(0.2, 0.9)
-    Equilibrium._search(line, 0.0, np.ones(1), -1.0)
-    assert line.dx[0] < 0.5

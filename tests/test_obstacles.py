@@ -126,5 +126,5 @@ def test_self_contact_by_mortar_needs_two_parts() -> None:
     plate = vv.Solid(mesh=mesh, material=RUBBER, density=2.0)
     with pytest.raises(vv.InputError, match="by formulation='node-to-segment'"):
         vv.Contact(first=plate, formulation="mortar")
-    with pytest.raises(vv.InputError, match="leave out second for self-contact"):
+    with pytest.raises(vv.InputError, match="leave out second and second_faces for self-contact"):
         vv.System([plate, vv.Contact(first=plate, second=plate)])

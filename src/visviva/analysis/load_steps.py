@@ -121,10 +121,7 @@ class Bracket:
     is_passed: bool = False
 
     def next(self, s: float, g: float) -> float:
-        """The part to try after `s`, where the work is `g`: a shorter one, unless a longer one was too long.
-
-        Where the state has no meaning neither has the work, which is not finite then.
-        """
+        """The part to try after `s`, where the work is `g`: a shorter one, unless a longer one was too long."""
         same = bool(np.isfinite(g)) and g * self.work > 0
         if same and self.is_passed:
             self.low, self.work = s, g
@@ -256,11 +253,10 @@ class Equilibrium:
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)
-            holds = np.isfinite(g) and not self._refused(time)
-            if holds and abs(g) <= 0.8 * abs(g0):
+            possible = possible or (touches and s == 1.0 and np.isfinite(g) and not self._refused(time))
+            if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
                 return r
-            possible = possible or (touches and s == 1.0 and holds)
-            other = bracket.next(s, g if holds else np.nan)
+            other = bracket.next(s, g)
             self.dx[:] += (other - s) * d
             s = other
         if possible:
