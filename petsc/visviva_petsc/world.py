@@ -23,15 +23,12 @@ class World:
     def __init__(self, comm: Any) -> None:
         self.comm = comm
         self.rank, self.size = comm.rank, comm.size
-        self.failing, self.leaving = (
-            comm.Dup(),
-            comm.Dup(),
-        )  # where those meet that fail, or come to their end
+        # where those meet that fail, or come to their end
+        self.failing, self.leaving = comm.Dup(), comm.Dup()
         self.met = time.monotonic()  # when all were together last
         self.window = MPI.Win.Allocate(8, 8, comm=comm)  # others look into it
-        self.begun = np.frombuffer(
-            self.window.tomemory(), dtype=np.int64
-        )  # how often all were called together
+        # how often all were called together
+        self.begun = np.frombuffer(self.window.tomemory(), dtype=np.int64)
         self.begun[0] = 0
         comm.Barrier()
 

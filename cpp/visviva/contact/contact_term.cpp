@@ -118,7 +118,8 @@ void ContactTerm::begin(const double* x0) {
         const Stopwatch watch(costs_.segments);
         gaps_->values(X0_.data(), gap0_.data(), area0_.data());
     }
-    if (sags()) pressed_.begin_step(X0_), find_sags();
+    if (sags()) pressed_.begin_step(X0_);
+    if (lies_beside()) find_sags();
     if (rebounds()) landings_.begin_step(X0_);
     if (keeps_slides()) slid_.begin_step(X0_);
     if (has_history()) elastic_.begin_step(X0_);
@@ -187,7 +188,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
         // a balance holds nothing in valleys
         segments([&] { gaps_->values(X0_.data(), gap0_.data(), area0_.data()); });
     }
-    if (sags() && X0_ != shared_sags_) share_sags();
+    if (lies_beside() && X0_ != shared_sags_) share_sags();
     find_gaps();
     // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
     // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole

@@ -187,6 +187,8 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     bool slides_straight() const;
     // Whether rigid bodies lie in each other as deep as a penalty lets them.
     bool sags() const { return options_.rigid && !has_multipliers(); }
+    // And others may be flush with them.
+    bool lies_beside() const { return sags() && !fellows_.empty(); }
     bool keeps_slides() const { return rebounds() && has_tangential(); }
     void keep_slides();
     bool has_several() const;

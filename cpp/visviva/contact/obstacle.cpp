@@ -96,7 +96,6 @@ class Obstacle : public PointGaps {
 
   private:
     bool sagged(const double* X, int vertex, int side) const;
-    bool may_touch(const double* X, int vertex, int side) const;
     Vector3 out(const double* X, const Vector3& gradient) const;
     Vector3 local(const double* X, const Vector3& x) const;
     Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
@@ -226,19 +225,14 @@ bool Obstacle::sagged(const double* X, int A, int side) const {
     return false;
 }
 
-bool Obstacle::may_touch(const double* X, int A, int side) const {
-    Scalar q[3];
-    excesses(shape_, local(X, nudged(X, A)), q);
-    return looks(X, A, out(X, q[side].d)) && !sagged(X, A, side);
-}
-
 int Obstacle::touched(const double* X, int A, int side) const {
-    if (side >= 0 && may_touch(X, A, side)) return side;
     Scalar q[3];
     const int n = excesses(shape_, local(X, nudged(X, A)), q);
+    auto may = [&](int k) { return looks(X, A, out(X, q[k].d)) && !sagged(X, A, k); };
+    if (side >= 0 && may(side)) return side;
     int other = Sides::nearest;
     for (int k = 0; k < n; ++k)
-        if ((other < 0 || q[k].v > q[other].v) && may_touch(X, A, k)) other = k;
+        if ((other < 0 || q[k].v > q[other].v) && may(k)) other = k;
     return other;
 }
 

@@ -54,8 +54,8 @@ class FracturingSolid(Solid):
     """A solid that cracks: its nodes have damages beside positions.
 
     Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, with
-    ``formulation="displacement"``, in space, plane strain or axisymmetric (cracks
-    are of revolution then, areas and energies those of the whole turn), and
+    ``formulation="displacement"``, in space, plane strain or axisymmetric (cracks are of revolution then, areas and
+    energies those of the whole turn), and
 
     Parameters
     ----------

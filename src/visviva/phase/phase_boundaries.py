@@ -163,7 +163,7 @@ class PrescribedConcentration(Component):
         except InputError as error:
             raise InputError(f"{self.label}: {self.body.label} stands on splines: {error}") from None
         try:
-            self._coefficients(0.0)
+            self._given(0.0)
         except RunError as error:
             raise InputError(str(error)) from error
 
@@ -173,7 +173,9 @@ class PrescribedConcentration(Component):
     def declare(self, model: Model) -> None:
         model.index(self.body)
         every = model.announced(self.body, PrescribedConcentration)
-        self._others = [c for c in every if c is not self]
+        others = [c for c in every if c is not self]
+        both = [(c, *np.intersect1d(self._number, c._number, return_indices=True)[1:]) for c in others]
+        self._beside = [(other, mine, theirs) for other, mine, theirs in both if len(mine)]
         before = [c._held for c in every[: every.index(self)]]
         self._own = ~np.isin(self._held, np.concatenate([np.zeros(0, dtype=int), *before]))
         try:
@@ -192,31 +194,24 @@ class PrescribedConcentration(Component):
         RunError
             If others give the same places other concentrations.
         """
-        for other in self._others:
-            self._refuse_contradiction(other, time)
-        return self._coefficients(time)[self._own]
-
-    def _refuse_contradiction(self, other: PrescribedConcentration, time: float) -> None:
-        """Refuse nodes that another gives another concentration."""
-        _, mine, theirs = np.intersect1d(self._number, other._number, return_indices=True)
-        own, given = self._given(time), other._given(time)
-        apart = np.abs(own[mine] - given[theirs])
-        if apart.max(initial=0.0) > 1e-9 * max(np.abs(own).max(), np.abs(given).max()):
+        own = self._given(time)
+        for other, mine, theirs in self._beside:
+            given = other._given(time)
+            apart = np.abs(own[mine] - given[theirs])
             worst = int(np.argmax(apart))
-            raise RunError(
-                f"{self.label} and {other.label} hold the same place of {self.body.label}, at concentrations of "
-                f"{own[mine][worst]:g} and {given[theirs][worst]:g} at t = {time:g}: give both the same, or take its "
-                "nodes out of one of them"
-            )
+            if apart[worst] > 1e-9 * max(np.abs(own).max(), np.abs(given).max()):
+                raise RunError(
+                    f"{self.label} and {other.label} hold the same place of {self.body.label}, at concentrations of "
+                    f"{own[mine][worst]:g} and {given[theirs][worst]:g} at t = {time:g}: give both the same, or take "
+                    "its nodes out of one of them"
+                )
+        return self.body.space.fitted_on(self._chosen, own)[self._own]
 
     def _given(self, time: float) -> Array:
         """At its nodes."""
         values = self._values.at(time, self.body.points[self._chosen])
         refuse_apart(self.label, "concentration", self._number, values, time)
         return values
-
-    def _coefficients(self, time: float) -> Array:
-        return self.body.space.fitted_on(self._chosen, self._given(time))
 
     def contribute(self, model: Model) -> None:
         assert self.body.potential is not None

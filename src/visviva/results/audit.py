@@ -11,7 +11,7 @@ from visviva.flow.fluid import Fluid
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
-from visviva.results.spread import Spread, unbooked
+from visviva.results.spread import unbooked
 from visviva.results.swings import MANY, MIDDLE
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def energy_verdict(result: Result) -> str:
         return "conserved"
     if scheme.conserves_energy and max(gained, lost) <= LOOSE:
         return "conserved as well as the tolerances of the solvers allow"
-    if excuse := next((e for e in excuses(result, gained, lost) if e), ""):
+    if excuse := next(excuses(result, gained, lost), ""):
         return excuse
     if not scheme.has_inertia:
         return statics_verdict(max(gained, lost))
@@ -214,9 +214,9 @@ def statics_verdict(missed: float) -> str:
 
 
 def excuses(result: Result, gained: float, lost: float) -> Iterator[str]:
-    """Why the energy need not balance, as far as what is named can bring about: empty where it cannot."""
+    """Why the energy need not balance, as far as what is named can bring that about."""
     ledger, scheme = result.ledger, result.scheme
-    own, lacking = (of or Spread.empty() for of in (ledger.sizes.spread, ledger.sizes.unbooked))
+    own, lacking = ledger.sizes.spread, ledger.sizes.unbooked
     brought, scale = sum(map(ledger.swing, ledger.brought)), ledger.energy_scale
     if not scheme.has_inertia:  # what is given away is what was brought and is not stored
         if ledger.entropy and max(gained, lost) <= (own.stored + brought) / scale + SNAPPED:

@@ -57,9 +57,9 @@ class Sizes:
         Their power on what flows if it did so with the speed that is large in it.
     inner : tuple of str
         Kinds of potentials of components that move, of which forces come.
-    spread, unbooked : Spread, optional
-        What components with contents, and those with `Unbooked` changes, stored and lost so far; a ledger that was
-        read has none.
+    spread, unbooked : Spread
+        What components with contents, and those with `Unbooked` changes, stored and lost so far; nothing in a ledger
+        that was read.
     """
 
     mass: float = 0.0
@@ -67,8 +67,8 @@ class Sizes:
     pull: float = 0.0
     power: float = 0.0
     inner: tuple[str, ...] = ()
-    spread: Spread | None = None
-    unbooked: Spread | None = None
+    spread: Spread = field(default_factory=Spread.empty)
+    unbooked: Spread = field(default_factory=Spread.empty)
 
 
 @dataclass(repr=False)
@@ -302,7 +302,6 @@ class Bookkeeper:
     done : array
         Work and heat so far by kind.
     entropy : EntropyBooks
-    spread, unbooked : Spread
     total0 : float or None
         Energy of the initial state, None before its row is booked.
     """
@@ -313,16 +312,16 @@ class Bookkeeper:
         def kinds(*categories: str) -> list[str]:
             return sorted({a.kind for a in accounts if a.category in categories})
 
-        self.spread = Spread.of_contents(system.model)
-        self.unbooked = Spread.of(system.model, unbooked(system.components))
         mass = sum(c.total_mass for c in system.components)
         self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            forces = force_scale(system)
-            inner = inner_potentials(system)
-            sizes = Sizes(mass, system.model.length, *forces, inner, self.spread, self.unbooked)
+            own = (
+                Spread.of_contents(system.model),
+                Spread.of(system.model, unbooked(system.components)),
+            )
+            sizes = Sizes(mass, system.model.length, *force_scale(system), inner_potentials(system), *own)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -344,7 +343,7 @@ class Bookkeeper:
 
     def book(self, time: float, core: Any) -> Array:
         """Add the row of the step that the core has just accepted (or of the initial state)."""
-        for own in (self.spread, self.unbooked):
+        for own in (self.ledger.sizes.spread, self.ledger.sizes.unbooked):
             own.add(core)
         energy = core.energy
         kinetic = self._kinetic @ energy

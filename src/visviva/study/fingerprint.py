@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import visviva
 from visviva.base.told import arguments_of, shortened
-from visviva.system.agreement import Arguments, names_of, told, told_components
+from visviva.system.agreement import Arguments, differing, names_of, told, told_components
 
 if TYPE_CHECKING:
     from visviva.study.study import Study
@@ -47,10 +47,5 @@ def changes(before: Arguments, now: Arguments) -> list[str]:
     """Differences, one line each: the component, its argument, both values."""
     found = [f"{owner} is missing" for owner in before if owner not in now]
     found += [f"{owner} is new" for owner in now if owner not in before]
-    for owner, arguments in now.items():
-        earlier = before.get(owner, arguments)
-        for name in dict.fromkeys([*earlier, *arguments]):
-            a, b = earlier.get(name, "nothing"), arguments.get(name, "nothing")
-            if a != b:
-                found.append(f"{owner}: {name} was {a}, is {b}")
-    return found
+    earlier = {owner: before.get(owner, arguments) for owner, arguments in now.items()}
+    return found + [f"{owner}: {name} was {a}, is {b}" for owner, name, a, b in differing(earlier, now)]

@@ -56,8 +56,8 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "done": books.done,
         "entropy": books.entropy.done,
         "span": books.ledger.span,
-        "spread": books.spread.span,
-        "unbooked": books.unbooked.span,
+        "spread": books.ledger.sizes.spread.span,
+        "unbooked": books.ledger.sizes.unbooked.span,
     }
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
@@ -121,7 +121,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     books.entropy.done = ledger.arrays.get("entropy", books.entropy.done)
     books.ledger.span = ledger.arrays["span"]
     for name in ("spread", "unbooked"):
-        own = getattr(books, name)
+        own = getattr(books.ledger.sizes, name)
         own.span = ledger.arrays.get(name, own.span)
 
 

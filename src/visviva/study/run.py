@@ -131,7 +131,7 @@ def run(
     refuse_paces(save_every, frames_per_second)
     settle_times(study)
     system = study.system
-    refuse_different(
+    refuse_other_records(
         study, str(directory), every=every, save_every=save_every, limit=time_limit, resume=resume
     )
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
@@ -201,7 +201,7 @@ def refuse_paces(save_every: float, frames_per_second: float) -> None:
     positive("run", "frames_per_second", frames_per_second)
 
 
-def refuse_different(study: Study, directory: str, **wishes: object) -> None:
+def refuse_other_records(study: Study, directory: str, **wishes: object) -> None:
     """Refuse runs that other processes are to record otherwise."""
     recorded = {"directory": directory, "probes": list(study.probes), "fields": study.fields}
     agreement.refuse_different_marches(until=study.until, step=study.step, **recorded, **wishes)

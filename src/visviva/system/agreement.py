@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,10 +105,16 @@ def compare(texts: Arguments) -> None:
 
 def difference(first: Arguments, other: Arguments, k: int) -> str:
     """The first difference between the texts of the first process and of process `k`."""
+    for owner, name, one, another in differing(first, other):
+        return f"{owner}: {name} is {one} in process 0, {another} in process {k}"
+    return "the order of what they have"
+
+
+def differing(first: Arguments, other: Arguments) -> Iterator[tuple[str, str, str, str]]:
+    """Owner, name and both values of arguments that are not the same; "nothing" where there is none."""
     for owner in dict.fromkeys([*first, *other]):
         a, b = first.get(owner, {}), other.get(owner, {})
         for name in dict.fromkeys([*a, *b]):
             one, another = a.get(name, "nothing"), b.get(name, "nothing")
             if one != another:
-                return f"{owner}: {name} is {one} in process 0, {another} in process {k}"
-    return "the order of what they have"
+                yield owner, name, one, another

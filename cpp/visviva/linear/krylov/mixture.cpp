@@ -36,8 +36,8 @@ class Mixture : public Preconditioning {
             largest = std::max(largest, half_.value[k]);
         }
         scale_ = 1 / largest;
-        for (std::size_t k = 0; k < a.col.size();
-             ++k) {  // volumes of small units are nothing in single precision
+        // Volumes of small units are nothing in single precision.
+        for (std::size_t k = 0; k < a.col.size(); ++k) {
             half_.value[k] *= scale_;
             coupling_.value[k] = static_cast<float>(scale_ * share * value(a, k, content, potential));
         }

@@ -106,6 +106,7 @@ int Smoother::damp_all(float reduction) {
         T(n, n) += 1 / alpha, rz = rz1;
         for (std::size_t i = 0; i < size(); ++i) residual_[i] -= static_cast<float>(alpha) * scaled_[i];
     }
+    if (n == 0) return degree_;
     const Eigen::VectorXd found =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(T.topLeftCorner(n, n), Eigen::EigenvaluesOnly)
             .eigenvalues();
