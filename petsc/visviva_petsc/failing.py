@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import atexit
+import os
 import sys
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from visviva_petsc.world import World
@@ -38,5 +39,29 @@ def end_all_together(world: World) -> None:
             )
             world.abort(1)
 
+    def end_alone() -> None:
+        """What was forked is none of them: it leaves as it likes, but for MPI, which would wait for the others."""
+        told = []
+
+        def exit_with(status: Any = None) -> NoReturn:
+            told.append(status)
+            raise SystemExit(status)
+
+        def end_with_error(
+            kind: type[BaseException], error: BaseException, trace: TracebackType | None
+        ) -> None:
+            told.append(1)
+            before(kind, error, trace)
+
+        def end() -> None:
+            sys.stdout.flush()
+            status = told[-1] if told else 0
+            os._exit(status if isinstance(status, int) else status is not None)
+
+        sys.exit, sys.excepthook = exit_with, end_with_error
+        atexit.unregister(leave)
+        atexit.register(end)
+
     sys.excepthook = end
     atexit.register(leave)
+    os.register_at_fork(after_in_child=end_alone)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.arguments import FrozenDict, Named, place, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.base.html import table
+from visviva.base.world import by_first
 from visviva.mesh import convert, cut, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
@@ -349,9 +350,10 @@ class Mesh(metaclass=Named):
     def write(self, path: str | Path) -> None:
         """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp``, ``.med`` or one of meshio.
 
-        Sets are written with these, so that `MeshFile` finds them again; others lose them, and a warning names them.
+        Sets are written with these, so that `MeshFile` finds them again; others lose them, and a warning names them. Of
+        several processes the first one writes, and all call it.
         """
-        write(self, Path(path))
+        by_first(lambda: write(self, Path(path)))
 
 
 def _fixed(array: Any) -> Any:
