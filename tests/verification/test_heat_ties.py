@@ -64,6 +64,38 @@ def test_linear_temperatures_pass_through(cell: str, other: str) -> None:
         assert body.temperatures(system.x) == pytest.approx(linear(0.0, body.points), abs=1e-11)
 
 
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize("counts", [(3, 2), (1, 5)])
+def test_each_surface_is_held_in_another_place(counts: tuple[int, int], exchanged: bool) -> None:
+    """Half of the one and half of the other at what a linear field has there: all but one cell at the change."""
+    deviation = []
+    for n in (4, 8, 16):
+        bodies = [
+            vv.ThermalBody(
+                mesh=vv.RectangleMesh(size=(1, 1), counts=(2 * n, n * counts[k]), origin=(k, 0)),
+                conductivity=2.0,
+            )
+            for k in range(2)
+        ]
+        held = [
+            vv.PrescribedTemperature(body=bodies[0], nodes="x0", value=1.0),
+            vv.PrescribedTemperature(body=bodies[1], nodes="x1", value=7.0),
+        ]
+        for body, lower in zip(bodies, (True, False), strict=True):
+            x, y = body.points[:, 0], body.points[:, 1]
+            at = (np.abs(x - 1) < 1e-9) & ((y < 0.49) if lower else (y > 0.51))
+            held.append(vv.PrescribedTemperature(body=body, nodes=np.flatnonzero(at), value=4.0))
+        sides = [(bodies[0], "x1"), (bodies[1], "x0")]
+        (first, its), (second, other) = sides[::-1] if exchanged else sides
+        tie = vv.HeatTie(first=first, first_faces=its, second=second, second_faces=other)
+        system = vv.System([*bodies, tie, *held])
+        vv.quasi_static(system, until=1.0, step=1.0)
+        missed = [body.temperatures(system.x) - 1 - 3 * body.points[:, 0] for body in bodies]
+        deviation.append(np.sqrt(np.mean(np.concatenate(missed) ** 2)))
+    assert deviation[0] < 0.025
+    assert min(deviation[0] / deviation[1], deviation[1] / deviation[2]) > 3.5
+
+
 @pytest.mark.parametrize("cell", ["quad4", "tri6", "hex8", "hex20"])
 def test_a_conductance_leaves_a_jump(cell: str) -> None:
     """Two bars in series with the resistances 1/2 + 1/4 + 1/2 between 20 and 0: 16, then 8 and 4 beside the gap."""

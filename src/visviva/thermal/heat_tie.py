@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +40,7 @@ class HeatTie(Component):
     ----------
     first, second : ThermalBody, ThermoelasticSolid, ThermalShell or FluidHeat
         The first surface should be the finer one. Its nodes have the multipliers, unless temperatures are prescribed at
-        more of them than of the second one's.
+        more of them than of the second one's; where they are prescribed, those of the other one have them.
     first_faces, second_faces : str or Faces
         Which part of the surface; 'all' for the whole boundary. Of a shell the sides 'upper' or 'lower', which are as
         warm as they are themselves, or edges, at the mean through the thickness.
@@ -113,7 +114,7 @@ class HeatTie(Component):
                 f"{self.label}: edges of {self.first.label} have no area that a conductance could be of; leave it out, "
                 "which ties temperatures, or give vv.HeatExchange the conductance of the whole edge"
             )
-        self._given = self._bearing = Bearing((self.first, self.second), skins, modes, self.reach)
+        self._given = Bearing((self.first, self.second), skins, modes, self.reach)
         pair = self._given.pair
         if not self._given.tied.any():
             raise InputError(
@@ -132,44 +133,58 @@ class HeatTie(Component):
         model.index(self.first), model.index(self.second)
         if self.conductance is not None:
             return
-        self._bearing = self._chosen(model)
-        for tie in model.announced(self._bearing.bodies[0], HeatTie):
+        self._bonds = self._chosen(model)
+        ties = [t for body in (self.first, self.second) for t in model.announced(body, HeatTie)]
+        for tie in dict.fromkeys(ties):
             if tie is not self and tie.conductance is None:
                 self._refuse_shared(tie, tie._chosen(model))
-        self._bonds = np.flatnonzero(self._bearing.tied & ~self._bearing.held(model))
-        self._heat = model.multipliers(self, "heat", len(self._bonds), instantaneous=False)
+        n = sum(len(bond.chosen) for bond in self._bonds)
+        self._heat = model.multipliers(self, "heat", n, instantaneous=False)
 
-    def _chosen(self, model: Model) -> Bearing:
-        """The side that bears the multipliers: no others pass heat into nodes whose temperature is prescribed."""
-        if not self._given.held(model).any():
-            return self._given
-        return min(self._given, self._given.exchanged, key=lambda bearing: bearing.held(model).sum())
+    def _numbered(self) -> list[tuple[Bond, NDArray[np.int32]]]:
+        """Every bond and the numbers of its multipliers."""
+        ends = np.cumsum([len(bond.chosen) for bond in self._bonds])
+        numbers = np.split(np.asarray(self._heat.unknowns, dtype=np.int32), ends[:-1])
+        return list(zip(self._bonds, numbers, strict=True))
 
-    def _refuse_shared(self, tie: HeatTie, its: Bearing) -> None:
-        own = self._bearing
-        if its.bodies[0] is not own.bodies[0]:
-            return
-        shared = np.intersect1d(own.nodes[0][own.tied], its.nodes[0][its.tied])
-        if len(shared):
-            place = ", ".join(f"{c:.4g}" for c in own.bodies[0].points[shared[0]])
-            raise InputError(
-                f"{self.label} and {tie.label} both tie node {shared[0]} of {own.bodies[0].label} at ({place}): "
-                "exchange first and second of one of them, or give it a conductance"
-            )
+    def _chosen(self, model: Model) -> list[Bond]:
+        """Which nodes bear the multipliers: those of the other side where temperatures of the one are prescribed.
+
+        Those of both that see each other would be redundant, so some cell between held nodes of both may be left out.
+        """
+        sides = [(bearing, bearing.held(model)) for bearing in (self._given, self._given.exchanged)]
+        (main, held), (other, its) = sorted(sides, key=lambda side: side[1].sum())
+        bond = Bond(main, np.flatnonzero(main.tied & ~held))
+        if not held.any():
+            return [bond]
+        reaches = other.rows[:, len(other.tied) :][:, bond.chosen].count_nonzero(axis=1) > 0
+        return [bond, Bond(other, np.flatnonzero(other.tied & ~its & ~reaches))]
+
+    def _refuse_shared(self, tie: HeatTie, its: list[Bond]) -> None:
+        for own, other in product(self._bonds, its):
+            body = own.of.bodies[0]
+            shared = np.intersect1d(own.nodes, other.nodes)
+            if other.of.bodies[0] is body and len(shared):
+                place = ", ".join(f"{c:.4g}" for c in body.points[shared[0]])
+                raise InputError(
+                    f"{self.label} and {tie.label} both tie node {shared[0]} of {body.label} at ({place}): "
+                    "exchange first and second of one of them, or give it a conductance"
+                )
 
     def contribute(self, model: Model) -> None:
         if self.conductance is not None:
             self._exchange(model, self.conductance)
-        elif len(self._bonds):
-            self._bond(model)
+            return
+        for bond, numbers in self._numbered():
+            if len(numbers):
+                self._bond(model, bond, numbers)
 
-    def _bond(self, model: Model) -> None:
-        own = self._bearing
-        rows = (self.first.thickness * own.rows[self._bonds]).tocsr()
+    def _bond(self, model: Model, bond: Bond, numbers: NDArray[np.int32]) -> None:
+        own = bond.of
+        rows = (self.first.thickness * own.rows[bond.chosen]).tocsr()
         n = len(own.nodes[0])
         parts = [padded(rows[:, :n]), padded(rows[:, n:])]
         nodes = [np.where(c >= 0, of[c], -1) for (c, _), of in zip(parts, own.nodes, strict=True)]
-        numbers = np.asarray(self._heat.unknowns, dtype=np.int32)
         model.term(self, HeatBond(own.bodies, numbers, nodes, own.modes, [w for _, w in parts]))
 
     def _exchange(self, model: Model, conductance: float) -> None:
@@ -185,10 +200,13 @@ class HeatTie(Component):
 
         Of two solids that deform it is the entropy per time.
         """
-        own = self._bearing
-        rows = self.first.thickness * own.rows[self._bonds][:, : len(own.nodes[0])]
-        leaving = float(np.sum(rows.T @ x[self._heat.unknowns]))
-        return leaving if own.bodies[0] is self.first else -leaving
+        passed = 0.0
+        for bond, numbers in self._numbered():
+            own = bond.of
+            rows = self.first.thickness * own.rows[bond.chosen][:, : len(own.nodes[0])]
+            leaving = float(np.sum(rows.T @ x[numbers]))
+            passed += leaving if own.bodies[0] is self.first else -leaving
+        return passed
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -240,6 +258,19 @@ class Bearing:
         for given in model.announced(self.bodies[0], PrescribedTemperature):
             held |= np.isin(self.nodes[0], given.chosen)
         return held & self.tied
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Bond:
+    """Nodes of the first surface `of` a bearing, by their places there, that bear multipliers."""
+
+    of: Bearing
+    chosen: Ints
+
+    @property
+    def nodes(self) -> Ints:
+        """In the body."""
+        return self.of.nodes[0][self.chosen]
 
 
 def padded(rows: Any) -> tuple[Ints, Array]:
