@@ -29,12 +29,12 @@ def end_all_together(world: World) -> None:
             world.abort(1)
 
     def leave() -> None:
-        other = world.leave()
-        if other is not None:
+        if (left := world.leave()) is not None:
+            other, what = left
             print(
-                f"process {world.rank} of {world.size} has come to its end, and process {other} waits for it: all have "
-                "to call what evaluates elements (steps, checks, fields, histories, pictures, files of results), and "
-                "none may leave alone",
+                f"process {world.rank} of {world.size} has come to its end, and process {other} waits for it, to {what}"
+                ": all have to call what evaluates elements (steps, checks, fields, histories, pictures, files of "
+                "results), and none may leave alone",
                 file=sys.stderr,
             )
             world.abort(1)

@@ -2,79 +2,161 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
+from visviva_petsc.window import Window
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+LOOK = 0.5
+"""Seconds between looks at what others do for whom this one waits."""
+BUSY = 0.1
+"""Seconds of waiting that are not slept away."""
+CURE = (
+    "Each runs the whole script, and has to do the same: none may catch an error that others do not have and go on, or "
+    "go on alone"
+)
+
 
 class World:
-    """Processes of a communicator, as `visviva.base.world.World` describes them."""
+    """Processes of a communicator, as `visviva.base.world.World` describes them.
+
+    Attributes
+    ----------
+    failing, leaving, asking
+        Where those meet that fail, that come to their end, that begin what all do together.
+    met : float
+        When all were together last.
+    noted : str
+        Error that this one has met since.
+    is_inside : bool
+        Whether all have begun the same, in which they do more together.
+    """
 
     def __init__(self, comm: Any) -> None:
         self.comm = comm
         self.rank, self.size = comm.rank, comm.size
-        # where those meet that fail, or come to their end
-        self.failing, self.leaving = comm.Dup(), comm.Dup()
-        self.met = time.monotonic()  # when all were together last
-        self.window = MPI.Win.Allocate(8, 8, comm=comm)  # others look into it
-        # how often all were called together
-        self.begun = np.frombuffer(self.window.tomemory(), dtype=np.int64)
-        self.begun[0] = 0
+        self.failing, self.leaving, self.asking = comm.Dup(), comm.Dup(), comm.Dup()
+        self.met, self.noted, self.is_inside = time.monotonic(), "", False
+        self.window = Window(comm)
         comm.Barrier()
 
-    @property
-    def joint(self) -> Any:
+    @contextmanager
+    def doing(self, what: str) -> Iterator[None]:
+        """Inside, all do `what` together; whoever goes on with something else is refused."""
+        self.begin(what)
+        outer, self.is_inside = self.is_inside, True
+        try:
+            yield
+        except BaseException as error:
+            self.note(error)
+            raise
+        finally:
+            self.is_inside = outer
+
+    def begin(self, what: str) -> None:
+        """Wait until all begin `what`.
+
+        Raises
+        ------
+        InputError
+            If another one begins something else.
+        """
+        if self.is_inside:
+            return
+        self.window.begin(what)
+        own = np.frombuffer(sha256(what.encode()).digest(), dtype=np.int64)
+        theirs = np.empty((self.size, len(own)), dtype=np.int64)
+        self.wait(self.asking.Iallgather(own, theirs), what)
+        if (theirs != own).any():
+            self.refuse(what)
+        self.noted = ""
+
+    def wait(self, arrived: Any, what: str) -> None:
+        """Wait for the others, as long as they may come; one that waits for this one elsewhere never will."""
+        start, looks, left = time.monotonic(), 0, 0
+        while not arrived.Test():
+            waited = time.monotonic() - start
+            if waited > LOOK * (looks + 1):
+                looks += 1
+                other = self.window.left_behind()
+                left = 0 if other is None else left + 1
+                if other is not None and left == 2:  # who has just been told of this one goes on at once
+                    self.part(what, *other)
+            if waited > BUSY:
+                time.sleep(min(waited / 10, 0.01))
+            else:
+                os.sched_yield()
+
+    def part(self, what: str, other: int, theirs: str) -> None:
+        """End all: another one waits within what this one has left."""
+        print(
+            f"process {self.rank} of {self.size} is to {what}{self.noted}, and process {other} waits for it, to "
+            f"{theirs}. {CURE}",
+            file=sys.stderr,
+        )
+        self.abort(1)
+
+    def refuse(self, what: str) -> None:
+        """Refuse what all are to do, as it is not the same; all come here."""
+        first, *others = self.asking.allgather((what, self.noted))
+        self.noted = ""
+        k, other = next((k, other) for k, other in enumerate(others, 1) if other[0] != first[0])
+        raise InputError(
+            f"processes differ: process 0 is to {first[0]}{first[1]}, process {k} to {other[0]}{other[1]}. {CURE}"
+        )
+
+    def note(self, error: BaseException) -> None:
+        """Remember an error of this one, to be told should it go on with something else than the others."""
+        text = " ".join(str(error).split())
+        self.noted = f" (after {type(error).__name__}: {text[:200]})"
+
+    def joint(self, what: str) -> Any:
         """The communicator, for what all do together now."""
+        self.begin(what)
         self.met = time.monotonic()
-        self.begun[0] += 1
+        self.window.go_on()
         return self.comm
 
-    def waiting(self) -> int | None:
-        """A process that waits for this one: it has begun what this one takes no part in."""
-        theirs = np.empty(1, dtype=np.int64)
-        for rank in range(self.size):
-            self.window.Lock(rank, MPI.LOCK_SHARED)
-            self.window.Get(theirs, rank)
-            self.window.Unlock(rank)
-            if theirs[0] > self.begun[0]:
-                return rank
-        return None
-
-    def leave(self) -> int | None:
-        """Wait until all have come to their end; or until one waits for this one, which is its number."""
+    def leave(self) -> tuple[int, str] | None:
+        """Wait until all have come to their end; or until one waits for this one, which is told with what it does."""
         arrived = self.leaving.Ibarrier()
         while not arrived.Test():
-            if (other := self.waiting()) is not None:
+            if (other := self.window.ahead()) is not None:
                 return other
             time.sleep(0.05)
-        self.window.Free()
+        self.window.free()
         return None
 
     def sum(self, values: Array) -> None:
         """Sum an array over the processes, in place."""
-        self.joint.Allreduce(MPI.IN_PLACE, values)
+        self.joint(f"add up {np.size(values)} numbers").Allreduce(MPI.IN_PLACE, values)
 
     def largest(self, value: float) -> float:
         """The largest of their numbers."""
-        return float(self.joint.allreduce(value, MPI.MAX))
+        return float(self.joint("find the largest of their numbers").allreduce(value, MPI.MAX))
 
     def first(self, value: Any) -> Any:
         """What the first of them has."""
-        return self.joint.bcast(value)
+        return self.joint("hear from the first").bcast(value)
 
     def together(self, values: Any) -> list[Any]:
         """What they have, in their order."""
-        return list(self.joint.allgather(values))
+        return list(self.joint("exchange what they have").allgather(values))
 
     def parts(self, grid: Any) -> Ints:
         """Number of the process that each cell (n_cells,) of a mesh belongs to."""
@@ -113,7 +195,7 @@ class Owners:
     def own(self, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:
         """Mask (n,) of the unknowns of this process, from those that have equations here."""
         rank, size = self.world.rank, self.world.size
-        owner = owners(self.world.joint, unknowns, n)
+        owner = owners(self.world.joint(f"number {n} unknowns"), unknowns, n)
         self.mine = np.flatnonzero(owner == rank)
         self.counts = np.bincount(owner, minlength=size + 1)[:-1]
         self.order = np.argsort(owner, kind="stable")[: self.counts.sum()]
@@ -122,7 +204,9 @@ class Owners:
 
     def share(self, values: Array) -> None:
         """Give all processes the values (n,) that the owners have."""
-        self.world.joint.Allgatherv(values[self.mine], (self.found, self.counts))
+        self.world.joint(f"share {len(values)} numbers").Allgatherv(
+            values[self.mine], (self.found, self.counts)
+        )
         values[self.order] = self.found
 
 

@@ -23,10 +23,10 @@ def missing() -> list[str]:
     return found if shutil.which("mpiexec", path=BESIDE) else [*found, "mpiexec"]
 
 
-def launched(n: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+def launched(n: int, *arguments: str, limit: float = 900) -> subprocess.CompletedProcess[str]:
     """Run Python in so many processes, 0 for one without a launcher, with packages and tests of the repository.
 
-    Those that wait for each other for ever are ended after a quarter of an hour.
+    Those that wait for each other for ever are ended after `limit` seconds.
     """
     paths = os.pathsep.join(str(ROOT / part) for part in ("src", "petsc", "tests"))
     command = [sys.executable, *arguments]
@@ -34,4 +34,6 @@ def launched(n: int, *arguments: str) -> subprocess.CompletedProcess[str]:
         command = [str(shutil.which("mpiexec", path=BESIDE)), "-n", str(n), *command]
     waiting = YIELDING | (SLEEPING if n > (os.cpu_count() or 1) else {})
     environment = os.environ | waiting | {"PYTHONPATH": paths}
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=900, check=False)
+    return subprocess.run(
+        command, env=environment, capture_output=True, text=True, timeout=limit, check=False
+    )

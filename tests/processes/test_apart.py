@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -57,7 +58,9 @@ read = vv.MeshFile(sys.argv[1]).build()
 try:
     read.write("no/such/folder.vtu")
 except Exception as error:
-    print(world().rank, len(read.points), min(opened[0], 1), opened[1], type(error).__name__)
+    told = world().together(f"{len(read.points)} {min(opened[0], 1)} {opened[1]} {type(error).__name__}")
+    if world().rank == 0:
+        print("; ".join(told))
 """
 
 
@@ -66,6 +69,104 @@ def test_meshes_are_written_by_the_first_process(tmp_path: Path) -> None:
     (tmp_path / "meshes.py").write_text(MESHES)
     done = launched(2, str(tmp_path / "meshes.py"), str(tmp_path / "box.vtu"))
     assert done.returncode == 0, done.stderr
-    first, second = sorted(done.stdout.splitlines())
-    assert first.split()[1:4] == ["45", "1", "0"]
-    assert first[1:] == second[1:]
+    assert done.stdout == "; ".join(["45 1 0 InputError"] * 2) + "\n"
+
+
+APART = """
+import sys
+
+import visviva as vv
+from visviva.base.world import world
+
+kind, rank = sys.argv[1], world().rank
+box = vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2))
+
+
+def motion(t, X):
+    if sys.argv[1] == "within" and world().rank == 1 and 0.1 < t < 0.2:
+        raise RuntimeError("only here")
+    return 0 * X
+
+
+def system():
+    block = vv.Solid(mesh=box, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0, name="block")
+    moved = vv.Prescribed(solid=block, nodes="x0", motion=motion)
+    return vv.System([block, moved, vv.Gravity()])
+
+
+def look(system):
+    if kind == "observer" and rank == 1 and system.time > 0.09:
+        raise LookupError("seen here alone")
+    if kind == "observed edit" and system.time > 0.09:
+        system.v[-1] *= 1 + 0.1 * rank
+
+
+def again(*given, **more):
+    try:
+        given[0](*given[1:], **more)
+    except (LookupError, RuntimeError):
+        given[0](*given[1:], **more)
+
+
+one, other = system(), system()
+go = {"step": 0.05, "observe": look}
+if kind == "observer":
+    try:
+        vv.simulate(one, until=0.2, **go)
+    except LookupError:
+        pass
+    vv.simulate(other, until=0.2, **go)
+if kind == "within":
+    for _ in range(4):
+        again(one.step, 0.05)
+if kind == "one composes" and rank == 0:
+    system()
+if kind == "lengths":
+    one.step(0.05 + 0.01 * rank)
+if kind == "systems":
+    (one if rank else other).step(0.05)
+if kind == "ends":
+    if rank == 0:
+        one.step(0.05)
+    sys.exit()
+vv.simulate(one, until=one.time + 0.2, **go)
+one.v[-1] *= 1 + 0.1 * rank * (kind == "edit")
+if kind == "edit, then a step":
+    one.v[-1] *= 1 + 0.1 * rank
+    one.step(0.05)
+vv.simulate(one, until=0.5, **go)
+if kind == "healthy":
+    one.v[-1] *= 1.1
+    for _ in range(3):
+        one.step(0.05)
+    if len(set(world().together(one.x.tobytes()))) == 1 and rank == 0:
+        print("through")
+"""
+PARTED = {
+    "observer": r"process 0 is to take a step of system 0 .*, process 1 to march system 1 \(after LookupError: seen h",
+    "within": r"process 1 of 2 is to take a step .* \(after \w+: .*only here.*\), and process 0 waits for it",
+    "one composes": r"process 0 is to compose a system, process 1 to march system 0\. Each runs the whole script",
+    "lengths": r"process 0 is to take a step of system 0 from t = 0\.0 with h = 0\.05 by .* with h = 0\.06\d* by ",
+    "systems": r"process 0 is to take a step of system 1 from t = 0\.0 .*, process 1 to take a step of system 0 ",
+    "ends": r"process 1 of 2 has come to its end, and process 0 waits for it, to take a step of system 0 from t = 0\.0",
+    "edit": r"Solid 'block': rates of position \(unknowns from 0 on\) is array",
+    "edit, then a step": r"process 1 to take a step of system 0 from t = 0\.2.* whose state is none of a step: array",
+    "observed edit": r"process 1 to take a step of system 0 from t = 0\.1.* whose state is none of a step: array",
+}
+"""How scripts go apart, and what is told."""
+
+
+@pytest.mark.parametrize("kind", PARTED)
+def test_processes_that_go_apart_are_told(kind: str, tmp_path: Path) -> None:
+    """They waited for each other for ever, or computed on, each with a state of its own."""
+    (tmp_path / "apart.py").write_text(APART)
+    done = launched(2, str(tmp_path / "apart.py"), kind, limit=60)
+    assert done.returncode != 0
+    assert len(re.findall(PARTED[kind], done.stderr)) == 1, done.stderr
+
+
+def test_processes_that_do_the_same_go_on(tmp_path: Path) -> None:
+    (tmp_path / "apart.py").write_text(APART)
+    done = launched(2, str(tmp_path / "apart.py"), "healthy")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["through"]

@@ -96,13 +96,14 @@ def march(
 
         initial_acceleration(system, scheme, step)
     if own is not None:
-        yield from own
+        yield from agreement.in_step(system, own)
         return
     n = first_halvings(system, scheme, step) if system.is_given else 0
     if adaptive is not None:
-        yield from adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive, halved=n)
+        steps = adaptive_steps(system, until=until, step=step, scheme=scheme, rule=adaptive, halved=n)
     else:
-        yield from counted_steps(system, until=until, step=step, scheme=scheme, halved=n)
+        steps = counted_steps(system, until=until, step=step, scheme=scheme, halved=n)
+    yield from agreement.in_step(system, steps)
 
 
 def know(system: System, step: float) -> None:
@@ -162,8 +163,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     refuse_no_system("march", system)
     refuse_other("march", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
     refuse_changed(system)
-    if system.report is None or system.stepper.is_edited:
-        agreement.refuse_different_states(system.model.fields, system.x, system.v)
+    agreement.refuse_different_edits(system)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)

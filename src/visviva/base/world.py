@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
@@ -16,7 +17,7 @@ from visviva.base.errors import InputError
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-SEAM = 2
+SEAM = 3
 """Version of what a package that brings processes together has to offer: `World`, and solvers by ``choose``."""
 PACKAGE = "visviva_petsc"
 
@@ -32,6 +33,15 @@ class World(Protocol):
 
     rank: int
     size: int
+
+    def doing(self, what: str) -> AbstractContextManager[None]:
+        """Inside, all do what these words say; who goes on with something else is refused.
+
+        What one calls alone outside is seen as well, and nobody waits for it for ever.
+        """
+
+    def note(self, error: BaseException) -> None:
+        """Remember an error of this one, to be told should it go on with something else than the others."""
 
     def sum(self, values: Array) -> None:
         """Sum an array over the processes, in place; all get the same bits."""
@@ -62,6 +72,13 @@ class Alone:
     """One process."""
 
     rank, size = 0, 1
+
+    def doing(self, what: str) -> AbstractContextManager[None]:
+        """There are no others."""
+        return nullcontext()
+
+    def note(self, error: BaseException) -> None:
+        """There are no others."""
 
     def sum(self, values: Array) -> None:
         """Nothing is added."""

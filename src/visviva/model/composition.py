@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect
 from collections.abc import Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -15,9 +16,17 @@ class Composition:
 
     Forms hold the one that they were made in, as their numbers mean others elsewhere. Those of a system that was reset
     are alike if no unknown has another number or initial value.
+
+    Attributes
+    ----------
+    number : int
+        How many were made before it.
     """
 
+    _made = count()
+
     def __init__(self) -> None:
+        self.number = next(self._made)
         self._alike = object()
         self._names: tuple[tuple[int, str, str], ...] = ()
         self._values = 0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from contextlib import AbstractContextManager, nullcontext
+from itertools import islice
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +19,9 @@ from visviva.component.component import Component
 if TYPE_CHECKING:
     from visviva.model.field import Field
     from visviva.system.newton import Newton
+    from visviva.system.system import System
 
+T = TypeVar("T")
 Array = NDArray[np.float64]
 Arguments = dict[str, dict[str, str]]
 """Values of arguments, by the labels of components and the names of arguments."""
@@ -57,12 +61,16 @@ def refuse_different(components: Sequence[Component], newton: Newton) -> None:
     """
     if world().size == 1:
         return
-    names, untold = names_of(components), list[str]()
+    names, untold, to = names_of(components), list[str](), "compose a system"
     compare(
-        {"visviva": {"version": visviva.__version__}, "Newton": told("", arguments_of(newton), names, untold)}
+        {
+            "visviva": {"version": visviva.__version__},
+            "Newton": told("", arguments_of(newton), names, untold),
+        },
+        to,
     )
-    compare({"system": {f"component {k}": c.label for k, c in enumerate(components, 1)}})
-    compare(told_components(components, names, untold))
+    compare({"system": {f"component {k}": c.label for k, c in enumerate(components, 1)}}, to)
+    compare(told_components(components, names, untold), to)
 
 
 def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None:
@@ -74,7 +82,7 @@ def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None
         part, of = slice(f.start, f.start + f.size), f"{f.name} (unknowns from {f.start} on)"
         values = {f"state of {of}": x[part], f"rates of {of}": v[part], f"what is held of {of}": f.fixed}
         texts.setdefault(f.component.label, {}).update(told("", values, {}, []))
-    compare(texts)
+    compare(texts, "begin with a state")
 
 
 def refuse_different_starts(fields: Sequence[Field]) -> None:
@@ -87,14 +95,53 @@ def refuse_different_starts(fields: Sequence[Field]) -> None:
 def refuse_different_marches(**arguments: Any) -> None:
     """Refuse times and schemes of which another process has others."""
     if world().size > 1:
-        compare({"march": told("", arguments, {}, [])})
+        compare({"march": told("", arguments, {}, [])}, "march")
 
 
-def compare(texts: Arguments) -> None:
-    """Refuse texts of which another process has others, by the first that differs."""
-    if len(set(world().together(digest_of(repr(texts))))) == 1:
+def refuse_different_edits(system: System) -> None:
+    """Refuse a state, should it not be that of a step in one of the processes, of which another has others."""
+    if world().size > 1:
+        with world().doing(f"march system {system.composition.number}"):
+            if world().largest(system.report is None or is_edited(system)):
+                refuse_different_states(system.model.fields, system.x, system.v)
+
+
+def is_edited(system: System) -> bool:
+    """Whether the state was changed since the last step, be that told or not."""
+    return system.stepper.is_edited or not system.core.is_unchanged
+
+
+def in_step(system: System, steps: Iterator[T]) -> Iterator[T]:
+    """The same steps, each of which all processes take together."""
+    if world().size == 1:
+        yield from steps
         return
-    first, *others = world().together(texts)
+    while True:
+        with stepping(system):
+            found = list(islice(steps, 1))
+        if not found:
+            return
+        yield found[0]
+
+
+def stepping(system: System, h: Any = "", scheme: Any = "") -> AbstractContextManager[None]:
+    """Inside, all processes take the same step of the same system from the same state."""
+    if world().size == 1:
+        return nullcontext()
+    words = f"take a step of system {system.composition.number} from t = {system.time!r}"
+    if h != "":
+        words += f" with h = {h!r} by {scheme!r}"
+    if is_edited(system):
+        words += f", whose state is none of a step: {Teller({}).text(np.concatenate([system.x, system.v]))}"
+    return world().doing(words)
+
+
+def compare(texts: Arguments, to: str) -> None:
+    """Refuse texts of which another process has others, by the first that differs, where all are `to` do the same."""
+    with world().doing(to):
+        if len(set(world().together(digest_of(repr(texts))))) == 1:
+            return
+        first, *others = world().together(texts)
     k, other = next((k, other) for k, other in enumerate(others, 1) if repr(other) != repr(first))
     raise InputError(
         f"processes differ: {difference(first, other, k)}. Each runs the whole script, and has to make the same of it: "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import NotFinite
 from visviva.component.limited import Limited
+from visviva.system.agreement import stepping
 from visviva.system.growing import refuse_imbalance, watches
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
@@ -42,7 +43,7 @@ def next_kink(system: System, until: float) -> float:
 
 def take(system: System, h: float, scheme: Scheme) -> Any:
     """Advance by one step of length `h`; returns the core's report."""
-    with alone(system):
+    with alone(system), stepping(system, h, scheme):
         return _taken(system, h, scheme)
 
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from visviva.base.errors import InputError
+from visviva.base.world import joined
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -32,6 +33,9 @@ def alone(system: System) -> Iterator[None]:
         )
     try:
         yield
+    except BaseException as error:
+        joined().note(error)
+        raise
     finally:
         system.turn.release()
 
