@@ -272,3 +272,40 @@ def test_what_is_round_does_not_fall_through_coarse_solids(shape: Any) -> None:
         vv.StepFailure, match=r"sink into each other.*vertices of .* alone touch.*exchange first"
     ):
         vv.simulate(system, until=0.2, step=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("shape", "position"),
+    [
+        (vv.Box(size=(0.3, 2, 0.3)), (0.25, 0.5, 0.36)),
+        (vv.Sphere(radius=0.1), (0.25, 0.25, 0.36)),
+    ],
+)
+def test_what_fits_between_vertices_of_named_faces_is_refused(shape: Any, position: Any) -> None:
+    """Nothing is watched beside faces that are named: it fell through, without a word."""
+    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1))
+    plate = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
+    body = vv.RigidBody(shape=shape, density=500.0, position=position, velocity=(0, 0, -2))
+    named: dict[str, Any] = {"first_faces": "z1", "formulation": "node-to-segment"}
+    contact = vv.Contact(first=plate, second=body, **named)
+    with pytest.raises(
+        vv.InputError, match=r"falls between vertices of .* 0\.5 apart .* exchange first and second"
+    ):
+        vv.System([plate, body, vv.Fixed(solid=plate, nodes="z0"), contact])
+
+
+@pytest.mark.parametrize("width", [0.4, 0.6])
+def test_what_is_narrower_than_edges_of_a_plane_solid_is_refused(width: float) -> None:
+    lower = vv.RectangleMesh(size=(1, 0.2), counts=(2, 1))
+    upper = vv.RectangleMesh(size=(width, 0.2), counts=(4, 2), origin=(0.25 - width / 2, 0.21))
+    rubber = vv.NeoHooke(young=1e6, poisson=0.3)
+    plate, block = (vv.Solid(mesh=mesh, material=rubber, density=1e3) for mesh in (lower, upper))
+    contact = vv.Contact(first=plate, first_faces="y1", second=block, formulation="node-to-segment")
+    parts = [plate, block, vv.Fixed(solid=plate, nodes="y0"), contact]
+    if width < 0.5:
+        with pytest.raises(
+            vv.InputError, match=r"is 0\.4 across and falls between vertices of .* 0\.5 apart"
+        ):
+            vv.System(parts)
+    else:
+        vv.System(parts)
