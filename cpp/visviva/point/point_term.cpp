@@ -42,7 +42,7 @@ PointTerm::PointTerm(const PointData& d)
     const std::int64_t n_all = static_cast<std::int64_t>(d.n) * d.n_points * v.n_par;
     v.is_even = std::equal(d.par + (n_all > 0 ? v.n_par : 0), d.par + n_all, d.par);
     in_lanes(par_, d.par, v.is_even ? v.n_par : static_cast<std::int64_t>(d.n_points) * v.n_par,
-             v.is_even ? 1 : d.n);
+             v.is_even ? std::min(d.n, 1) : d.n);
     in_lanes(reference_, d.reference, static_cast<std::int64_t>(d.n_points) * shape.n_strains, d.n);
     v.index = slots_.index(), v.w = w_.data(), v.par = par_.data();
     v.reference = d.reference ? reference_.data() : nullptr;

@@ -247,11 +247,11 @@ class Solid(MeshBody):
         first = 0
         for cell, nodes in self.grid.cells.items():
             some = np.flatnonzero(own[first : first + len(nodes)])
-            made = [self._elements_of(model, cell, nodes[some], first, some)] if len(some) else []
-            for elements in made:
-                model.batch(elements.term)
-                if self._is_shared_out:
-                    model.announce(self, SharedOut(elements.term))
+            elements = self._elements_of(model, cell, nodes[some], first, some)
+            model.batch(elements.term)  # of none too: all processes number their terms alike
+            if self._is_shared_out:
+                model.announce(self, SharedOut(elements.term))
+            made = [elements] if len(some) else []
             self._elements += made
             self.volumes.append(self._whole([e.volume for e in made], [e.numbers for e in made]))
             first += len(nodes)

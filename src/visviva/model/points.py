@@ -160,7 +160,7 @@ def refuse_misfits(
                 f"group {k} needs whole numbers ({m}, nodes) as unknowns, got shape {unknowns.shape}"
             )
         of_node = components[k] if k < len(components) else 1
-        if unknowns.min() < 0 or unknowns.max() + of_node > n_unknowns:
+        if unknowns.size and (unknowns.min() < 0 or unknowns.max() + of_node > n_unknowns):
             raise refuse(
                 f"group {k} names unknowns beyond the {n_unknowns} of the model: {unknowns.max()} is the first of "
                 f"{of_node} of a node"

@@ -24,7 +24,7 @@ from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
-from visviva.model.points import Group, PhysicsKind, add_points, open_accounts
+from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
 from visviva.thermal.capacity import capacity_of
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
@@ -194,11 +194,8 @@ class ThermalBody(Meshed, HeatCarrier):
         constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
         kind = PhysicsKind.CONDUCTION if stores.is_constant else PhysicsKind.LATENT_CONDUCTION
         own, first = shared_out(self.grid), 0
-        open_accounts(model, self)  # where a process has no cells, too
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
-            some, first = own[first : first + len(nodes)], first + len(nodes)
-            if not some.any():
-                continue
+            some, first = own[first : first + len(nodes)], first + len(nodes)  # or none: terms are numbered alike
             N = CELLS[cell].N(mass_rule(cell).points)
             gradients, volume = g.gradients[some], g.volume[some]
             m, q, k, d = gradients.shape
