@@ -97,6 +97,11 @@ class OutsideProcesses : public Processes {
         nb::gil_scoped_acquire gil;
         processes_->attr("share")(view(d, n, nb::none()));
     }
+    void tell(std::string& words, int& number) override {
+        nb::gil_scoped_acquire gil;
+        const auto told = nb::cast<nb::tuple>(processes_->attr("tell")(words, number));
+        words = nb::cast<std::string>(told[0]), number = nb::cast<int>(told[1]);
+    }
 
   private:
     std::shared_ptr<nb::object> processes_;

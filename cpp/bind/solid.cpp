@@ -69,8 +69,9 @@ void bind_solid(nb::module_& m) {
                  t.forces(x.data(), begin, end, out.data());
                  return handed_over(std::move(out), {static_cast<std::size_t>(end - begin), nodes, dim});
              })
-        .def("book_solid", [](SolidTerm& t, int strain, int kinetic, int damping, int owner, int first) {
-            t.strain_account = strain, t.kinetic_account = kinetic, t.damping_account = damping;
-            t.owner = owner, t.first_element = first;
-        });
+        .def("book_solid",
+             [](SolidTerm& t, int strain, int kinetic, int damping, int owner, const Ints& numbers) {
+                 t.strain_account = strain, t.kinetic_account = kinetic, t.damping_account = damping;
+                 t.owner = owner, t.numbers = vector_of<int>(numbers);
+             });
 }

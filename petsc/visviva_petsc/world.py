@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ from visviva_petsc.window import Window
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+CLASS = re.compile(r"^visviva\.[\w.]+: ")
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""
 BUSY = 0.1
@@ -208,6 +210,14 @@ class Owners:
             values[self.mine], (self.found, self.counts)
         )
         values[self.order] = self.found
+
+    def tell(self, words: str, number: int) -> tuple[str, int]:
+        """Words and a number of the first process that has words; of errors of Python the last line says what it is."""
+        lines = words.strip().splitlines()
+        all_of_them = self.world.joint("tell why it failed").allgather(
+            (CLASS.sub("", lines[-1]) if lines else "", number)
+        )
+        return next((told for told in all_of_them if told[0]), ("", -1))
 
 
 def owners(comm: Any, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:

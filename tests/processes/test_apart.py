@@ -170,3 +170,50 @@ def test_processes_that_do_the_same_go_on(tmp_path: Path) -> None:
     done = launched(2, str(tmp_path / "apart.py"), "healthy")
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["through"]
+
+
+REASONS = """
+import sys
+
+import numpy as np
+import visviva as vv
+from visviva.base.world import world
+
+
+tried = []  # materials are tried beforehand, wherever that is
+
+
+def energy(C):
+    if tried and np.abs(C[0] - 1).max() > 0.1:
+        raise ValueError("stretched too far")
+    return 20 * ((C[0] + C[1] + C[2] - 3) ** 2 + 2 * (C[3] ** 2 + C[4] ** 2 + C[5] ** 2))
+
+
+def pulled(t, X):
+    return np.outer(np.full(len(X), 0.2 * t if sys.argv[1] == "raises" else -3 * t), [1, 0, 0])
+
+
+material = vv.UserMaterial(function=energy) if sys.argv[1] == "raises" else vv.NeoHooke(young=100.0, poisson=0.3)
+bar = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(8, 1, 1)), material=material, name="bar")
+held = vv.Fixed(solid=bar, nodes=np.flatnonzero(bar.points[:, 0] < 3.4))
+system = vv.System([bar, held, vv.Prescribed(solid=bar, nodes="x1", motion=pulled)])
+tried.append("all")
+try:
+    vv.simulate(system, until=1.0, step=1.0, scheme=vv.Static(halvings=2))
+except vv.RunError as error:
+    if world().rank == 0:
+        print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [("inverts", "element 6 of Solid 'bar' near (3.062, "), ("raises", "stretched too far")],
+)
+def test_why_another_process_has_failed_is_told(kind: str, words: str, tmp_path: Path) -> None:
+    """The first one said that another refuses, or has found no value, and nothing of what or where."""
+    (tmp_path / "reasons.py").write_text(REASONS)
+    one, two = (launched(n, str(tmp_path / "reasons.py"), kind) for n in (0, 2))
+    assert words in one.stdout
+    assert words in two.stdout, two.stderr
+    assert kind == "raises" or two.stdout == one.stdout

@@ -192,7 +192,7 @@ Refusal SolidTerm::refuse(const Context& c) {
         char text[160];
         std::snprintf(text, sizeof text,
                       "element %d of %s near (%.4g, %.4g, %.4g) is inverted (smallest det F = %.3g)",
-                      first_element + e, name.c_str(), place[0], place[1], place[2], smallest_[e]);
+                      numbers[e], name.c_str(), place[0], place[1], place[2], smallest_[e]);
         return {slots_.unknown(e, 0), text};
     }
     return {};

@@ -60,7 +60,7 @@ class SolidTerm : public Term, public MeshAssembly {
 
     // Accounts and component of the whole batch: strain energy, kinetic energy, work of damping.
     int strain_account = -1, kinetic_account = -1, damping_account = -1, owner = 0;
-    int first_element = 0;  // of the batch within its component, for messages
+    std::vector<int> numbers;  // [element] within its component, for messages
 
   private:
     void call_back(const Context&, bool want_tangent);

@@ -83,12 +83,12 @@ Report System::failed(Report report, const std::string& reason, int unknown) {
     return report;
 }
 
-// Of the first term that refuses, or of another process.
+// Of the first term that refuses in the first process where one does.
 Refusal System::refusal(const Context& context) {
     Refusal no;
     for (auto part = terms_.begin(); part != terms_.end() && no.reason.empty(); ++part)
         no = part->term->refuse(context);
-    if (any(!no.reason.empty()) && no.reason.empty()) no.reason = "another process refuses it";
+    agree(no);
     return no;
 }
 

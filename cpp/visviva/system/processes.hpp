@@ -2,13 +2,15 @@
 #pragma once
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace visviva {
 
 // What one process could not evaluate, all give up.
 struct FailedElsewhere : std::runtime_error {
-    FailedElsewhere() : std::runtime_error("another process found no value at the state that was tried") {}
+    explicit FailedElsewhere(const std::string& why)
+        : std::runtime_error("another process found no value at the state that was tried: " + why) {}
 };
 
 // All functions are called by all processes, in the same order.
@@ -23,6 +25,8 @@ class Processes {
     virtual double largest(double value) = 0;
     /// Numbers by unknown: all get those of the owners.
     virtual void share(double* d, std::size_t n) = 0;
+    /// Words and a number: all get those of the first process whose words are not empty.
+    virtual void tell(std::string& words, int& number) = 0;
 
     bool any(bool here) { return largest(here ? 1.0 : 0.0) > 0; }
 };

@@ -319,7 +319,8 @@ class System {
     }
     void add_up(std::vector<double>& values, const std::exception_ptr& failure);
     void add_up(LedgerSums&, const std::exception_ptr& failure);
-    static void agree(const std::exception_ptr& failure, bool any);
+    void agree(const std::exception_ptr& failure, bool any) const;
+    void agree(Refusal& no) const;
     void meet();
     bool any(bool here) const;
     bool is_own(int unknown) const { return !processes_ || own_[unknown]; }

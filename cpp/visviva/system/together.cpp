@@ -1,10 +1,20 @@
 // What processes that share the terms of a system evaluate together. A process alone has nothing to do here.
 #include <algorithm>
 #include <exception>
+#include <string>
 
 #include "visviva/system/system.hpp"
 
 namespace visviva {
+
+static std::string what_of(const std::exception_ptr& failure) {
+    if (!failure) return {};
+    try {
+        std::rethrow_exception(failure);
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+}
 
 // Sums over processes what each has evaluated [n + 1], or gives up if one of them could not.
 void System::add_up(std::vector<double>& values, const std::exception_ptr& failure) {
@@ -15,9 +25,19 @@ void System::add_up(std::vector<double>& values, const std::exception_ptr& failu
     values[n_] = 0;
 }
 
-void System::agree(const std::exception_ptr& failure, bool any) {
+// Fails if any of them has failed, for the same reason.
+void System::agree(const std::exception_ptr& failure, bool any) const {
+    if (!any) return;
+    std::string why = what_of(failure);
+    int none = -1;
+    if (processes_) processes_->tell(why, none);
     if (failure) std::rethrow_exception(failure);
-    if (any) throw FailedElsewhere();
+    throw FailedElsewhere(why);
+}
+
+// All refuse what one refuses.
+void System::agree(Refusal& no) const {
+    if (any(!no.reason.empty()) && processes_) processes_->tell(no.reason, no.unknown);
 }
 
 // Anew with every pattern.

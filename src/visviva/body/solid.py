@@ -278,8 +278,8 @@ class Solid(MeshBody):
         term.name = self.label
         thermal = self._thermal(cell, nodes, solid_rule(points, nodes, cell)) if self._is_heated else None
         self._complete(term, cell, nodes, thermal)
-        term.book_solid(*self._open_accounts(model), model.index(self), first)
         numbers = first + some
+        term.book_solid(*self._open_accounts(model), model.index(self), numbers.astype(np.int32))
         return Elements(cell=cell, nodes=nodes, numbers=numbers, thermal=thermal, term=term, volume=g.volume)
 
     @property

@@ -104,8 +104,8 @@ class SplineSolid(OnSplines):
         term.name = self.label
         thermal = self._free_strains_at(table.X) if self._is_heated else None
         self._complete(term, cell, table.numbers, thermal)
-        term.book_solid(*self._open_accounts(model), model.index(self), first)
         numbers = first + np.arange(n)
+        term.book_solid(*self._open_accounts(model), model.index(self), numbers.astype(np.int32))
         return Elements(
             cell=cell, nodes=table.numbers, numbers=numbers, thermal=thermal, term=term, volume=table.size
         )

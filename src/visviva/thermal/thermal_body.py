@@ -195,7 +195,10 @@ class ThermalBody(Meshed, HeatCarrier):
         kind = PhysicsKind.CONDUCTION if stores.is_constant else PhysicsKind.LATENT_CONDUCTION
         own, first = shared_out(self.grid), 0
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
-            some, first = own[first : first + len(nodes)], first + len(nodes)  # or none: terms are numbered alike
+            some, first = (
+                own[first : first + len(nodes)],
+                first + len(nodes),
+            )  # or none: terms are numbered alike
             N = CELLS[cell].N(mass_rule(cell).points)
             gradients, volume = g.gradients[some], g.volume[some]
             m, q, k, d = gradients.shape
