@@ -217,3 +217,42 @@ def test_why_another_process_has_failed_is_told(kind: str, words: str, tmp_path:
     assert words in one.stdout
     assert words in two.stdout, two.stderr
     assert kind == "raises" or two.stdout == one.stdout
+
+
+COUNTS = """
+import sys
+
+import visviva as vv
+from visviva.base.world import world
+
+calls, rank = [0], world().rank
+
+
+def force(t, x, v):
+    calls[0] += 1
+    return (1.0, 0, 0)
+
+
+def other(t, x, v):
+    return (1.0 + 0.0 * rank, 0, 0)
+
+
+for _ in range(2):
+    ball = vv.PointMass(mass=1.0, name="ball")
+    vv.simulate(vv.System([ball, vv.Force(on=ball, force=force, name="push")]), until=0.1, step=0.05)
+counted = world().together(calls[0])
+try:
+    vv.System([ball, vv.Force(on=ball, force=other, name="push")])
+except vv.InputError as error:
+    if rank == 0:
+        print(counted[0] > counted[1], error)
+"""
+
+
+def test_functions_may_count_and_what_differs_is_named(tmp_path: Path) -> None:
+    """The second system was refused, by digests of a function that processes do not call as often."""
+    (tmp_path / "counts.py").write_text(COUNTS)
+    done = launched(2, str(tmp_path / "counts.py"))
+    assert done.returncode == 0, done.stderr
+    named = "Force 'push': force: rank in function other is 0 in process 0, 1 in process 1. Each"
+    assert done.stdout.startswith(f"True processes differ: {named}"), done.stdout

@@ -1,8 +1,8 @@
 """Values in words that can be compared: in records of runs, and between processes.
 
 A value is told in one line: numbers and texts as they are, arrays, meshes and files by a digest of their bytes,
-functions by a digest of their code with defaults, closure and the globals that they use. What is longer than a line
-becomes a digest.
+functions by a digest of their code with defaults, closure and the globals that they use, but for what they write
+themselves (how often they were called). What is longer than a line becomes a digest.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from visviva.base.written import own_records, written
 
 LINE = 160  # characters; what is longer becomes a digest
 FEW = 9  # numbers that are told one by one
@@ -51,12 +53,15 @@ class Teller:
     ----------
     untold : list of str
         Reasons why parts of the value are not told.
+    variables : dict of str to str
+        What functions within the value use of closures and globals.
     """
 
     def __init__(self, names: Mapping[int, str]) -> None:
         self._names = names
         self._told: dict[int, tuple[Any, str]] = {}  # with the values, so that no identity is used twice
         self.untold: list[str] = []
+        self.variables: dict[str, str] = {}
 
     def text(self, value: Any) -> str:
         """The value in words; whole numbers look the same as ``int`` and as ``float``."""
@@ -94,6 +99,9 @@ class Teller:
             return f"{kind}({self.text(getattr(value, '__wrapped__', parts))})"
         made_by, arguments, *state = parts
         made = "" if made_by in (type(value), copyreg.__newobj__) else f"{self.text(made_by)}, "  # type: ignore[attr-defined]
+        records = set() if is_installed(type(value).__module__) else own_records(type(value))
+        if state and isinstance(state[0], dict):
+            state[0] = {k: v for k, v in state[0].items() if k not in records}
         given = [a for a in arguments if a is not type(value)] + [part for part in state if part]
         return f"{kind}({made}{self._all(given)})"
 
@@ -174,9 +182,18 @@ class Teller:
         if is_installed(value.__module__):
             return name
         parts = [self.text(value.__code__), self.text(value.__defaults__), self.text(value.__kwdefaults__)]
-        parts += [self.text(content) for content in contents(value)]
-        used = {k: value.__globals__[k] for k in looked_up(value.__code__) if k in value.__globals__}
-        return f"function {value.__name__} with digest {digest_of(*parts, self._pairs(used))}"
+        parts += [self._variable(value, *content) for content in contents(value)]
+        used = [(k, value.__globals__[k]) for k in looked_up(value.__code__) if k in value.__globals__]
+        globals_told = ", ".join(f"{k}={self._variable(value, k, v)}" for k, v in used)
+        return f"function {value.__name__} with digest {digest_of(*parts, globals_told)}"
+
+    def _variable(self, function: FunctionType, name: str, value: Any) -> str:
+        """What a function uses, unless it writes there."""
+        if any(name == n for n, _ in written(function.__code__)):
+            return "its own"
+        text = self.text(value)
+        self.variables[f"{name} in function {function.__name__}"] = shortened(text)
+        return text
 
     @_tell.register
     def _(self, value: CodeType) -> str:
@@ -205,13 +222,13 @@ def is_written(name: str, value: Any) -> bool:
     return written if name in ("__init__", "__call__") else (written or plain) and not name.startswith("__")
 
 
-def contents(function: FunctionType) -> Iterator[Any]:
-    """Values in a function's closure."""
-    for cell in function.__closure__ or ():
+def contents(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    """Names and values in a function's closure."""
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         try:
-            yield cell.cell_contents
+            yield name, cell.cell_contents
         except ValueError:  # not yet assigned
-            yield None
+            yield name, None
 
 
 def looked_up(code: CodeType) -> list[str]:

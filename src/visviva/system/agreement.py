@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -51,6 +51,17 @@ def told_components(
     return {c.label: told(c.label, {"class": type(c)} | arguments_of(c), names, untold) for c in components}
 
 
+def variables_of(components: Sequence[Component], names: Mapping[int, str]) -> Arguments:
+    """What functions among the arguments of components use."""
+    texts: Arguments = {}
+    for c in components:
+        for name, value in arguments_of(c).items():
+            teller = Teller(names)
+            teller.text(value)
+            texts.setdefault(c.label, {}).update({f"{name}: {k}": v for k, v in teller.variables.items()})
+    return texts
+
+
 def refuse_different(components: Sequence[Component], newton: Newton) -> None:
     """Refuse components of which another process has others, in another order or with other arguments.
 
@@ -70,7 +81,7 @@ def refuse_different(components: Sequence[Component], newton: Newton) -> None:
         to,
     )
     compare({"system": {f"component {k}": c.label for k, c in enumerate(components, 1)}}, to)
-    compare(told_components(components, names, untold), to)
+    compare(told_components(components, names, untold), to, lambda: variables_of(components, names))
 
 
 def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None:
@@ -136,12 +147,16 @@ def stepping(system: System, h: Any = "", scheme: Any = "") -> AbstractContextMa
     return world().doing(words)
 
 
-def compare(texts: Arguments, to: str) -> None:
-    """Refuse texts of which another process has others, by the first that differs, where all are `to` do the same."""
+def compare(texts: Arguments, to: str, within: Callable[[], Arguments] = dict) -> None:
+    """Refuse texts of which another process has others, by the first that differs, where all are `to` do the same.
+
+    What differs `within` is told rather, if it is known.
+    """
     with world().doing(to):
         if len(set(world().together(digest_of(repr(texts))))) == 1:
             return
-        first, *others = world().together(texts)
+        inner = within()
+        first, *others = world().together({k: inner.get(k, {}) | given for k, given in texts.items()})
     k, other = next((k, other) for k, other in enumerate(others, 1) if repr(other) != repr(first))
     raise InputError(
         f"processes differ: {difference(first, other, k)}. Each runs the whole script, and has to make the same of it: "
