@@ -97,7 +97,6 @@ void bind_point(nb::module_& m) {
         .def("limit", &PointTerm::limit)
         .def("drive", &PointTerm::drive, nb::arg("places"), nb::arg("account"))
         .def("history", &history)
-        .def("forget_rates", &PointTerm::forget_rates)
         .def_prop_ro("n_strains", &PointTerm::n_strains)
         .def("book_point", [](PointTerm& t, int energy, int kinetic, int dissipation, int owner) {
             t.energy_account = energy, t.kinetic_account = kinetic, t.dissipation_account = dissipation;

@@ -5,9 +5,11 @@
 
 using namespace visviva;
 
-static void tables(Step& s, const Doubles& motion, const Doubles& transport) {
+static void tables(Step& s, const Doubles& motion, const Doubles& transport, const double* flow) {
     std::copy(motion.data(), motion.data() + 20, &s.motion[0][0]);
     std::copy(transport.data(), transport.data() + 20, &s.transport[0][0]);
+    if (!flow) flow = transport.data();
+    std::copy(flow, flow + 20, &s.flow[0][0]);
 }
 
 void bind_step(nb::module_& m) {
@@ -15,16 +17,16 @@ void bind_step(nb::module_& m) {
         .def(
             "__init__",
             [](Step* s, double t0, double h, double te, double theta, double theta_g, bool discrete_gradient,
-               const Doubles& motion, const Doubles& transport, bool projects_rates) {
+               const Doubles& motion, const Doubles& transport, bool projects_rates, const nb::object& flow) {
                 new (s) Step();
                 s->projects_rates = projects_rates;
                 s->t0 = t0, s->h = h, s->t1 = t0 + h, s->te = te, s->theta = theta, s->theta_g = theta_g;
                 s->stress = discrete_gradient ? Stress::discrete_gradient : Stress::at_theta;
-                tables(*s, motion, transport);
+                tables(*s, motion, transport, optional(flow));
             },
             nb::arg("t0"), nb::arg("h"), nb::arg("te"), nb::arg("theta"), nb::arg("theta_g"),
             nb::arg("discrete_gradient"), nb::arg("motion"), nb::arg("transport"),
-            nb::arg("projects_rates") = false)
+            nb::arg("projects_rates") = false, nb::arg("flow") = nb::none())
         .def("moved_to",
              [](const Step& s, double t0) {  // the same step at another time
                  Step moved = s;

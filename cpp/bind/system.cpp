@@ -69,11 +69,15 @@ static void bind_records(nb::module_& m) {
 static void bind_unknowns(nb::class_<System>& system) {
     system
         .def("__init__",
-             [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale) {
-                 new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale));
+             [](System* s, const Ints& order, const Ints& fixed, const Doubles& scale, const Ints& flows) {
+                 new (s) System(vector_of<int>(order), flags_of(fixed), vector_of<double>(scale),
+                                flags_of(flows));
              })
         .def("add", &System::add)
-        .def("set_accounts", &System::set_accounts)
+        .def("set_accounts",
+             [](System& s, int n_accounts, int n_components, const Ints& of_heat) {
+                 s.set_accounts(n_accounts, n_components, flags_of(of_heat));
+             })
         .def(
             "set_processes",
             [](System& s, nb::object processes) { s.set_processes(outside_processes(std::move(processes))); })
@@ -216,6 +220,10 @@ static void bind_steps(nb::class_<System>& system) {
                  return s.accept(step, signals_of(signals), ledger);
              })
         .def("discard", &System::discard)
+        .def("begin_at",
+             [](System& s, const Ints& unknown, const Doubles& increment) {
+                 s.begin_at(vector_of<int>(unknown), vector_of<double>(increment));
+             })
         .def("evaluate_ledger",
              [](System& s, const Step& step, const Doubles& signals, bool moves) {
                  nb::gil_scoped_release release;

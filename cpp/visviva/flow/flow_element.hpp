@@ -61,7 +61,7 @@ struct FlowElement {
     VISVIVA_INLINE double M_at(int q, int a) const { return f.M[q * P + a]; }
 
     // Share of the rates in the derivative by the end's velocity
-    VISVIVA_INLINE double inertia() const { return step.transport[0][0]; }
+    VISVIVA_INLINE double inertia() const { return step.flow[0][0]; }
 
     VISVIVA_INLINE void load(int q, V (*G)[D]) const {
         for (int a = 0; a < N; ++a)

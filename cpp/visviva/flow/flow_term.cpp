@@ -101,7 +101,7 @@ void FlowTerm::ledger(const Context& c, const double*, LedgerSums& sums) {
         if (work_account[k] >= 0) sums.work[work_account[k]] += c.step.h * total[1 + k];
     for (int k = 0; k < 6; ++k) sums.momentum[6 * static_cast<std::size_t>(owner) + k] += total[4 + k];
     // From one steady flow to the next no power accounts for the kinetic energy.
-    if (c.step.transport[0][0] == 0 && c.step.h != 0) {
+    if (c.step.flow[0][0] == 0 && c.step.h != 0) {
         rows({c.step, {c.vectors.x0, c.vectors.x0, c.vectors.rate, c.vectors.second_rate}, c.signals},
              before);
         sums.work[work_account[3]] += total[0] - before[0];

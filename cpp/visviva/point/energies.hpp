@@ -33,11 +33,9 @@ struct CapacityEnergy : PlainEnergy {
 
 /// Heat content u of a capacity that depends on the temperature. A capacity at one moment of a step sees
 /// nothing of latent heat that the step jumps over; so the rate of u follows from its increment and from its
-/// own history by the table that the scheme has for fields of order 1. Internal variables: whether there is
-/// a history, and its a and w.
+/// own history by the table that the scheme has for fields of order 1. Internal variables: a and w of that.
 struct HeatContentEnergy : PlainEnergy {
-    static constexpr int n_internal = 3, n = 1 + n_internal, max_par = CapacityEnergy::max_par;
-    static constexpr bool remembers_rates = true;
+    static constexpr int n_internal = 2, n = 1 + n_internal, max_par = CapacityEnergy::max_par;
     const V* p;
     Capacity capacity;
     explicit HeatContentEnergy(const V* par) : p(par), capacity(p[0], p[1], p + 2) {}
@@ -46,7 +44,7 @@ struct HeatContentEnergy : PlainEnergy {
         to.W = capacity.content(e[0] - p[1]);
     }
     /// The mean capacity s of the step and its derivative T; what histories share in the rates of theta and
-    /// of u, behind `et`. At the start of histories those of u are those of theta times the capacity.
+    /// of u, behind `et`.
     template <bool tangent>
     void follow(const Step& step, V rate, const V* e0, V* e1, V* et, V* s, V* T) const {
         const auto& t = step.transport;
@@ -54,17 +52,11 @@ struct HeatContentEnergy : PlainEnergy {
         s[0] = capacity.mean(e0[0] - p[1], e1[0] - p[1], bend);
         const double share = step.stress == Stress::discrete_gradient ? 1.0 : step.theta;
         if constexpr (tangent) T[0] = share > 0 ? bend / share : V{};
-        for (int k = 1; k < n; ++k) e1[k] = et[k] = V{};
-        const double both = t[0][2] + t[0][3];
-        if (both == 0) return;
-        const V change = e1[0] - e0[0], of_theta = rate - t[0][0] * change,
-                first = capacity.at(e0[0] - p[1]) * of_theta / both;
-        const VI known = e0[1] > 0.0;
-        const V a = select(known, e0[2], first), w = select(known, e0[3], first);
-        et[1] = of_theta, et[2] = t[0][2] * a + t[0][3] * w;
-        e1[1] = broadcast(1.0);
+        const V change = e1[0] - e0[0], a = e0[1], w = e0[2];
+        const bool history = t[0][2] != 0 || t[0][3] != 0;
+        et[1] = history ? rate - t[0][0] * change : V{}, et[2] = t[0][2] * a + t[0][3] * w;
         for (int k = 0; k < 2; ++k)
-            e1[2 + k] = t[3 + k][0] * (s[0] * change) + t[3 + k][2] * a + t[3 + k][3] * w;
+            e1[1 + k] = t[3 + k][0] * (s[0] * change) + t[3 + k][2] * a + t[3 + k][3] * w;
     }
 };
 

@@ -19,7 +19,7 @@ struct StoreMap : Layout<StoreMap> {
 
 /// c (theta - theta0) with theta = theta0 exp(s / c). Parameters: c, theta0.
 struct StoreEnergy : PlainEnergy {
-    static constexpr int n = 1, max_par = 2;
+    static constexpr int n = 1, max_par = 2, first_entropy = 0, n_entropies = 1;
     const V* p;
     explicit StoreEnergy(const V* par) : p(par) {}
     template <bool second>
@@ -34,7 +34,7 @@ struct StorePairing {
     static constexpr bool is_gradient = false;
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
-        f[0] = z.rate(0), f[1] = z.e(1) - z.s(0);
+        f[0] = z.warming(0, z.e(1)), f[1] = z.e(1) - z.s(0);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {
@@ -59,7 +59,7 @@ struct SpringMap : Layout<SpringMap> {
 /// ln(theta / theta0)) with W = k g^2 / 2 and g = ln(l / free), or l - free. Parameters: whether g is the
 /// logarithm, k, free, beta, a, c, theta0, and of the pairing a viscosity.
 struct SpringEnergy : PlainEnergy {
-    static constexpr int n = 2, max_par = 8, n_blocks = 2;
+    static constexpr int n = 2, max_par = 8, n_blocks = 2, first_entropy = 1, n_entropies = 1;
     static constexpr int block(int k) { return k; }
     const V* p;
     explicit SpringEnergy(const V* par) : p(par) {}
@@ -98,7 +98,7 @@ struct SpringPairing {
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         const auto stress = (0.25 * z.par[7]) * (z.rate(0) / z.e(0));
         f[0] = z.s(0) + stress;
-        f[1] = z.rate(1) - stress * z.rate(0) / z.e(2);
+        f[1] = z.warming(1, z.e(2)) - stress * z.rate(0) / z.e(2);
         f[2] = z.e(2) - z.s(1);
     }
     template <class State>
@@ -133,13 +133,12 @@ struct HeatedBeamMap : Layout<HeatedBeamMap> {
 /// upper triangle by rows; m_0, m_1, m_2; c, theta0, r_1, r_2; and of the pairing the conductance along.
 struct HeatedSectionEnergy : PlainEnergy {
     static constexpr int n = 9, m = 21, c = 39, zero = 40, radius = 41, conductance = 43, max_par = 44;
-    static constexpr int n_points = 4;
+    static constexpr int n_points = 4, first_entropy = 6, n_entropies = 3;
     const V* p;
     explicit HeatedSectionEnergy(const V* par) : p(par) {}
     V stiffness(int k, int l) const { return p[k < l ? packed(6, k, l) : packed(6, l, k)]; }
     /// Heights of point a along d1 or d2, i = 0 or 1.
-    template <class P>
-    static VISVIVA_INLINE V height(const P* par, int a, int i) {
+    static VISVIVA_INLINE V height(const V* par, int a, int i) {
         return (a >> i) % 2 ? par[radius + i] : -par[radius + i];
     }
     /// Derivatives of z of all points by strains and entropies.
@@ -242,7 +241,7 @@ struct HeatedSectionPairing {
         const T zero = 0.0 * z.e(12);
         for (int k = 0; k < 6; ++k) f[k] = z.s(k);
         for (int i = 0; i < 3; ++i) {
-            f[6 + i] = z.rate(6 + i), f[9 + i] = f[15 + i] = zero;
+            f[6 + i] = i == 0 ? z.warming(6, z.e(12)) : z.rate(6 + i), f[9 + i] = f[15 + i] = zero;
             f[12 + i] = z.e(12 + i) - z.s(6 + i);
         }
         for (int a = 0; a < P::n_points; ++a) {
@@ -293,8 +292,8 @@ struct HeatedLayerPairing {
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {
         const typename State::T slope[3] = {z.e(20), z.e(21), z.e(22)}, *in_reference = nullptr;
         for (int k = 0; k < 15; ++k) f[k] = z.s(k);
-        HeatPairing::balance(z.e(19), slope, z.rate(15), z.s(15), z.par + HeatedLayerEnergy::first,
-                             in_reference, f + 15);
+        HeatPairing::balance(z.e(19), slope, z.warming(15, z.e(19)), z.s(15),
+                             z.par + HeatedLayerEnergy::first, in_reference, f + 15);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

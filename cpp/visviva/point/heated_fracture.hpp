@@ -19,6 +19,7 @@ constexpr int expansion = thermal::coupling, left = thermal::slope, fracture = t
 struct HeatedFractureEnergy : PlainEnergy {
     using Plain = FractureEnergy<true>;
     static constexpr int n = 11, max_par = heated_fracture::n_par, n_blocks = 3;
+    static constexpr int first_entropy = 10, n_entropies = 1;
     static constexpr double natural = Plain::natural, smooth = Plain::smooth;
     static constexpr int block(int k) { return Plain::block(k); }
     static constexpr double weight(int k) { return Plain::weight(k); }
@@ -79,8 +80,8 @@ struct HeatedFracturePairing {
         for (int a = 0; a < 3; ++a) slope[a] = z.e(15 + a);
         const V share = z.par[heated_fracture::left];
         const T sound = -z.e(6) + broadcast(1.0), left = (1.0 - share) * (sound * sound) + share;
-        HeatPairing::balance(z.e(14), slope, z.rate(10), z.s(10), z.par, in_space ? C : nullptr, f + 10,
-                             &left);
+        HeatPairing::balance(z.e(14), slope, z.warming(10, z.e(14)), z.s(10), z.par, in_space ? C : nullptr,
+                             f + 10, &left);
     }
     template <class State>
     static VISVIVA_INLINE V dissipated(const State&) {

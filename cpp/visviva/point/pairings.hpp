@@ -64,6 +64,20 @@ struct PointState {
                 value.g[Rows::sparse.entry[i].j] = p.B1[i];
         return value;
     }
+    /// Rate of the entropy k at a temperature, with what a step to the ends alone would lose of the energy:
+    /// that becomes heat there. Of several entropies the first one takes it.
+    VISVIVA_INLINE T warming(int k, const T& theta) const {
+        if constexpr (requires { Element::Energy::n_entropies; })
+            if (p.keeps_heat) {
+                T excess = Value::of(p.excess, nullptr);
+                if constexpr (slopes)
+                    for (int m = 0; m < Element::n_m; ++m)
+                        for (int i = Rows::sparse.first[m]; i < Rows::sparse.first[m + 1]; ++i)
+                            excess.g[Rows::sparse.entry[i].j] += p.excess_by[m] * p.B1[i];
+                return rate(k) + element.step.transport[0][0] * (excess / theta);
+            }
+        return rate(k);
+    }
     VISVIVA_INLINE T rate(int k) const {
         V speed{};
         for (int i = Rows::sparse.first[k]; i < Rows::sparse.first[k + 1]; ++i)

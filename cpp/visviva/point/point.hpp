@@ -49,6 +49,9 @@ struct PointView {
     char* lost_way = nullptr;  // [element] whose internal variables found no end of the step last evaluated
     bool backwards = false;    // that step goes from its end to its start
     const double* called_lost = nullptr;  // by internal variables, or null
+    // W and s of the strains at the end with the entropies of the start, see PointElement::find_excess; or
+    // null
+    const double *unheated_W = nullptr, *unheated_s = nullptr;
 };
 
 /// Per element: energy, kinetic energy, work dissipated by the pairing, momenta (6), what internal variables

@@ -42,7 +42,7 @@ inline constexpr int n_heated_physics =
 /// Arrays that a physics expects.
 struct PointShape {
     int n_groups, n_par, n_strains, n_energy, n_history;
-    bool remembers_rates;  // by its history, which then begins anew with that of the unknowns
+    int first_entropy, n_entropies;  // among the strains of the energy
     Group group[point_max_groups];
 };
 

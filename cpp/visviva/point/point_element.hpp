@@ -117,12 +117,15 @@ struct PointElement {
         });
     }
 
-    struct Point {
+    // Aligned, as functions of templates take vectors for aligned to their size.
+    struct alignas(W * sizeof(double)) Point {
         V y0[n_y], y1[n_y], yt[n_y], rate[n_y];
         V z0[n_z], z1[n_z], zt[n_z];  // strains of the energy, internal ones last
         V e0[n_e], e1[n_e], et[n_e], B1[Rows::n_entries], Bt[Rows::n_entries];  // of the map
         V s[n_f], T[n_f * n_f], par[Energy::max_par > 0 ? Energy::max_par : 1];
-        V lost{};  // by internal ones
+        V lost{};                    // by internal ones
+        V excess{}, excess_by[n_f];  // see find_excess; its derivatives by the strains at the end
+        bool keeps_heat = false;     // whether there is one
     };
 
     template <bool tangent>
@@ -161,12 +164,16 @@ struct PointElement {
     template <bool tangent>
     static void turn_back(Point& p) {
         const V* A = Energy::turn(p.par);
-        V s[n_s], T[n_s * n_s], by[n_s * n_m];
+        V s[n_s], T[n_s * n_s], by[n_s * n_m], excess_by[n_s];
         for (int k = 0; k < n_s; ++k) s[k] = p.s[k];
         for (int k = 0; tangent && k < n_s * n_s; ++k) T[k] = p.T[k];
+        for (int k = 0; tangent && p.keeps_heat && k < n_s; ++k) excess_by[k] = p.excess_by[k];
         for (int m = 0; m < n_m; ++m) {
             p.s[m] = V{};
             for (int k = 0; k < n_s; ++k) p.s[m] += A[k * n_m + m] * s[k];
+            if (!tangent || !p.keeps_heat) continue;
+            p.excess_by[m] = V{};
+            for (int k = 0; k < n_s; ++k) p.excess_by[m] += A[k * n_m + m] * excess_by[k];
         }
         for (int k = 0; tangent && k < n_s; ++k)
             for (int m = 0; m < n_m; ++m) {
@@ -201,7 +208,7 @@ struct PointElement {
                 return energy.template discrete_gradient<tangent>(p.z0, p.z1, p.s, p.T);
         }
         if constexpr (n_h > 0) {
-            if constexpr (requires { Energy::remembers_rates; }) {
+            if constexpr (requires(V* a) { energy.template follow<tangent>(step, V{}, a, a, a, a, a); }) {
                 energy.template follow<tangent>(step, p.rate[0], p.z0, p.z1, p.zt, p.s, p.T);
             } else if constexpr (requires(V* a) { energy.template remember<tangent>(step, a, a, a, a, a); }) {
                 energy.template remember<tangent>(step, p.z0, p.z1, p.zt, p.s, p.T);
@@ -214,6 +221,39 @@ struct PointElement {
                 vstore(v.history1 + (at_point(v.history0, q, n_h) - v.history0) + k * P8, p.z1[n_s + k]);
         } else {
             conjugate_stress<tangent>(energy, step, p.z0, p.z1, p.zt, p.s, p.T);
+            if constexpr (requires { Energy::n_entropies; })
+                if (step.goes_to_ends()) find_excess<tangent>(energy, p);
+        }
+    }
+
+    /// What the energy gains along the entropies is less than their gains times the temperatures at the end,
+    /// as it is convex: backward Euler would lose the difference.
+    template <bool tangent>
+    static void find_excess(const Energy& energy, Point& p) {
+        V from[n_z];
+        for (int k = 0; k < n_z; ++k) from[k] = is_entropy(k) ? p.z0[k] : p.z1[k];
+        Potential<n_z> start, end;
+        energy.template evaluate<false>(from, start);
+        V gain;
+        if constexpr (requires { energy.increase(from, p.z1); })
+            gain = energy.increase(from, p.z1);
+        else
+            energy.template evaluate<false>(p.z1, end), gain = end.W - start.W;
+        conjugate<false>(energy, start.s, nullptr);
+        take_excess<tangent>(gain, start.s, p);
+    }
+    static constexpr bool is_entropy(int k) {
+        return k >= Energy::first_entropy && k < Energy::first_entropy + Energy::n_entropies;
+    }
+    /// The same where the gain is known, and the stresses from where it is taken.
+    template <bool tangent>
+    static void take_excess(V gain, const V* stress_before, Point& p) {
+        constexpr int first = Energy::first_entropy, last = first + Energy::n_entropies;
+        p.excess = gain, p.keeps_heat = true;
+        for (int k = first; k < last; ++k) p.excess -= p.s[k] * (p.z1[k] - p.z0[k]);
+        for (int l = 0; tangent && l < n_z; ++l) {
+            p.excess_by[l] = is_entropy(l) ? V{} : p.s[l] - stress_before[l];
+            for (int k = first; k < last; ++k) p.excess_by[l] -= p.T[k * n_z + l] * (p.z1[k] - p.z0[k]);
         }
     }
 
@@ -224,6 +264,12 @@ struct PointElement {
             p.s[k] = vload(v.called_s + k * stride + at);
             for (int l = 0; tangent && l < n_s; ++l)
                 p.T[n_z * k + l] = vload(v.called_T + (n_s * k + l) * stride + at);
+        }
+        if constexpr (requires { Energy::n_entropies; }) {
+            if (!v.unheated_W) return;
+            V before[n_z];
+            for (int k = 0; k < n_s; ++k) before[k] = vload(v.unheated_s + k * stride + at);
+            take_excess<tangent>(vload(v.called_W + at) - vload(v.unheated_W + at), before, p);
         }
     }
 

@@ -118,7 +118,8 @@ struct PointKernel {
         PointShape s{};
         s.n_groups = Map::n_groups, s.n_par = Physics::Energy::max_par, s.n_strains = Map::n_strains;
         s.n_energy = Element::n_s, s.n_history = Element::n_h;
-        s.remembers_rates = requires { Physics::Energy::remembers_rates; };
+        if constexpr (requires { Physics::Energy::n_entropies; })
+            s.first_entropy = Physics::Energy::first_entropy, s.n_entropies = Physics::Energy::n_entropies;
         for (int g = 0; g < Map::n_groups; ++g) s.group[g] = Map::groups[g];
         return s;
     }

@@ -114,6 +114,21 @@ void PointTerm::call_back(const Context& c, bool want_tangent) {
     a.n_h = n_history_, a.h0 = history0_.data(), a.h1 = history1_.data(), a.lost = called_lost_.data();
     a.S = called_s_.data(), a.D = called_T_.data(), a.W = called_W_.data();
     callback_(a);
+    const bool heats = c.step.goes_to_ends() && kernels_.shape.n_entropies > 0;
+    if (heats) call_unheated(a);
+    view_.unheated_W = heats ? unheated_W_.data() : nullptr;
+    view_.unheated_s = heats ? unheated_s_.data() : nullptr;
+}
+
+// The same at the strains of the end with the entropies of the start.
+void PointTerm::call_unheated(LawArguments a) {
+    const PointShape& shape = kernels_.shape;
+    unheated_e_ = e1_, unheated_W_.resize(called_W_.size()), unheated_s_.resize(called_s_.size());
+    const std::ptrdiff_t n = a.n, first = shape.first_entropy * n;
+    std::copy_n(e0_.begin() + first, shape.n_entropies * n, unheated_e_.begin() + first);
+    a.e0 = a.e1 = a.e_eval = unheated_e_.data();
+    a.S = unheated_s_.data(), a.W = unheated_W_.data(), a.want_tangent = false;
+    callback_(a);
 }
 
 void PointTerm::residual(const Context& c, double* r) {
@@ -229,10 +244,6 @@ void PointTerm::write_history(std::vector<double>& history) const {
 void PointTerm::read_history(const double*& history) {
     std::copy(history, history + history0_.size(), history0_.begin());
     history += history0_.size();
-}
-
-void PointTerm::forget_rates() {
-    if (kernels_.shape.remembers_rates) std::fill(history0_.begin(), history0_.end(), 0.0);
 }
 
 void PointTerm::return_to(Past past) {

@@ -71,9 +71,6 @@ class PointTerm : public Term,
     void read_history(const double*& history) override;
     void return_to(Past) override;
 
-    /// The unknowns have new histories, as at the start of a run: what it remembers of rates is no more.
-    void forget_rates();
-
     /// Internal variables after the last accepted step: [block][point][variable][8], or of energies outside
     /// the core [variable][block][point][8].
     const Aligned<double>& history() const { return history0_; }
@@ -86,6 +83,7 @@ class PointTerm : public Term,
   private:
     void start(const Context&);
     void call_back(const Context&, bool want_tangent);
+    void call_unheated(LawArguments);
     void set_driven(const double* signals);
     double energy_at(const Context&, const double* x, const double* signals);
 
@@ -104,6 +102,7 @@ class PointTerm : public Term,
     // and when the last tangent was made.
     Aligned<double> history0_, history1_, before_, at_tangent_;
     Aligned<double> e0_, et_, e1_, called_W_, called_s_, called_T_, called_lost_;
+    Aligned<double> unheated_e_, unheated_W_, unheated_s_;
 };
 
 }  // namespace visviva

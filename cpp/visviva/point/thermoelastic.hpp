@@ -35,6 +35,7 @@ struct PointVolume {
 template <class Volume>
 struct ThermoelasticEnergyOf : PlainEnergy {
     static constexpr int n_C = Volume::n, n = n_C + 1, max_par = thermal::n_par, n_blocks = 2;
+    static constexpr int first_entropy = n_C, n_entropies = 1;
     static constexpr int block(int k) { return k / n_C; }
     static constexpr double weight(int k) { return k < n_C ? Volume::weight(k) : 1.0; }
     const V* p;
@@ -235,7 +236,7 @@ struct HeatPairing {
         for (int a = 0; a < n; ++a) f[a] = z.s(a);
         for (int a = 0; a < 6 && in_space; ++a) C[a] = z.e(a);
         for (int a = 0; a < 3; ++a) slope[a] = z.e(n + 5 + a);
-        balance(z.e(n + 4), slope, z.rate(n), z.s(n), z.par, in_space ? C : nullptr, f + n);
+        balance(z.e(n + 4), slope, z.warming(n, z.e(n + 4)), z.s(n), z.par, in_space ? C : nullptr, f + n);
     }
     template <class State>
     static VISVIVA_INLINE void forces(const State& z, typename State::T* f) {

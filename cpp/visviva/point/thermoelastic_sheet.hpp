@@ -18,7 +18,7 @@ struct PlainThermoelasticEnergy : PlainEnergy {
 
 /// e(C, s) at the C33 that leaves no stress across at this entropy, see PlaneStress.
 struct SheetEnergy : PlaneStress<PlainThermoelasticEnergy> {
-    static constexpr int max_par = thermal::n_par;
+    static constexpr int max_par = thermal::n_par, first_entropy = 6, n_entropies = 1;
     explicit SheetEnergy(const V* par)
         : PlaneStress<PlainThermoelasticEnergy>{{{}, ThermoelasticEnergy(par)}, true} {}
     void settle(const V* in_plane, V* e) const {
@@ -64,7 +64,7 @@ struct SheetHeatPairing : HeatPairing {
         for (int a = 0; a < 6; ++a) f[a] = z.s(a);
         for (int a = 0; a < 6 && in_space; ++a) C[a] = a == 2 ? across(z) : z.e(a);
         for (int a = 0; a < 3; ++a) slope[a] = z.e(11 + a);
-        balance(z.e(10), slope, z.rate(6), z.s(6), z.par, in_space ? C : nullptr, f + 6);
+        balance(z.e(10), slope, z.warming(6, z.e(10)), z.s(6), z.par, in_space ? C : nullptr, f + 6);
     }
 };
 

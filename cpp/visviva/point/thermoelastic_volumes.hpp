@@ -73,7 +73,7 @@ struct GivenVolume {
 /// space, p what makes it that of C. A step has one pressure, that of its end: with ln J by its discrete
 /// gradient p changes no energy where the equation of p holds at both ends of the step.
 struct VolumePressureEnergy : PlainEnergy {
-    static constexpr int n = 9, max_par = thermal::n_par;
+    static constexpr int n = 9, max_par = thermal::n_par, first_entropy = 7, n_entropies = 1;
     static constexpr double weight(int k) { return k < 6 ? tensor_weight(k) : 1.0; }
     using Base = ThermoelasticEnergyOf<GivenVolume>;
     Base energy;
@@ -156,7 +156,7 @@ struct VolumePressurePairing : HeatPairing {
         for (int a = 0; a < 7; ++a) f[a] = z.s(a);
         for (int a = 0; a < 6; ++a) C[a] = z.e(a), end[a] = z.at_end(a);
         for (int a = 0; a < 3; ++a) slope[a] = z.e(13 + a);
-        balance(z.e(12), slope, z.rate(7), z.s(7), z.par, in_space ? C : nullptr, heat);
+        balance(z.e(12), slope, z.warming(7, z.e(12)), z.s(7), z.par, in_space ? C : nullptr, heat);
         f[7] = heat[0], f[8] = 0.5 * log1p(determinant_less_one(end)) - z.at_end(6);
         for (int a = 0; a < 7; ++a) f[9 + a] = heat[1 + a];
     }

@@ -1,12 +1,14 @@
 // Contribution of a step to the ledger: energies, works, momenta, defects, and the losses of impacts.
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "visviva/system/system.hpp"
 
 namespace visviva {
 
-void System::set_accounts(int n_accounts, int n_components) {
+void System::set_accounts(int n_accounts, int n_components, std::vector<char> of_heat) {
+    heat_account_ = std::move(of_heat), heat_account_.resize(n_accounts);
     sums.energy.assign(n_accounts, 0.0), sums.work.assign(n_accounts, 0.0);
     sums.momentum.assign(6 * static_cast<std::size_t>(n_components), 0.0);
     sums.defect.assign(2 * static_cast<std::size_t>(n_components), 0.0);
@@ -73,6 +75,24 @@ std::vector<double> System::brought_entropy(const Context& c) {
     return brought;
 }
 
+// Rates with which a first step ends are those that balance there: without the entropy into which its excess
+// of energy goes, see PointElement::find_excess. A history, of which nothing counts, leaves that out.
+void System::take_off_excess(const Context& c) {
+    Step plain = c.step;
+    plain.transport[0][2] = std::numeric_limits<double>::min();
+    evaluate_residual({plain, c.vectors, c.signals}, true);
+    const std::vector<double> without = r_;
+    evaluate_residual(c, true);
+    std::vector<char> tested(n_, 0);
+    for (int u : entropy_.tested) tested[u] = 1;
+    for (std::size_t k = 0; k < entropy_.unknown.size(); ++k) {
+        const int u = entropy_.unknown[k];
+        if (!tested[u]) continue;  // slopes across a shell, whose sum is none
+        const double more = (r_[u] - without[u]) / entropy_.weight[k];
+        for (auto* next : {&v_next_, &a_next_, &w_next_}) (*next)[u] += more;
+    }
+}
+
 // The same with the work of prescribed motion, which goes along dx or against it.
 void System::book_step(const Context& c, const double* v1, double direction) {
     // before the terms go on to the end; on the way back they find their branches there
@@ -105,9 +125,12 @@ void System::book_path(const Context& c) {
     const Signals signals{c.signals.at1, c.signals.at0, c.signals.at0, c.signals.rate1};
     for (const auto& [term, can] : terms_) term->begin(c.vectors.x1);
     book_step({back, vectors, signals, true}, still_.data(), -1);
+    // What fields of order 1 take in a first step is what flows at its end: at its start that may be
+    // anything.
+    const bool begins = c.step.begins_transport();
     for (std::size_t k = 0; k < there.work.size(); ++k) {
-        there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
-        there.entropy[k] = 0.5 * (there.entropy[k] - sums.entropy[k]);
+        if (!(begins && heat_account_[k])) there.work[k] = 0.5 * (there.work[k] - sums.work[k]);
+        if (!begins) there.entropy[k] = 0.5 * (there.entropy[k] - sums.entropy[k]);
     }
     // Where a run starts out of equilibrium, what held it there is let go in the first step, and does work.
     for (int i = 0; i < n_; ++i) there.release[i] = fixed_[i] ? 0.0 : 0.5 * r_[i] * dx[i];

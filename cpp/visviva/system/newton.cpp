@@ -1,6 +1,7 @@
 // Newton's method for one step.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "visviva/base/vector_dispatch.hpp"
 #include "visviva/system/acceleration.hpp"
@@ -12,8 +13,37 @@ namespace visviva {
 namespace {
 bool same_matrix(const Step& a, const Step& b) {
     return a.h == b.h && a.theta == b.theta && a.theta_g == b.theta_g && a.stress == b.stress &&
-           a.motion[1][0] == b.motion[1][0];
+           a.motion[1][0] == b.motion[1][0] && a.transport[0][0] == b.transport[0][0];
 }
+
+// Across a hump of what bodies store, as of latent heat, increments by new tangents go to and fro for ever.
+class ToAndFro {
+  public:
+    /// Shortens d, by a new tangent in iteration k: once one undoes the last such, they go half as far as
+    /// that, and no further from then on. Returned is the share that is left.
+    double shorten(int k, std::vector<double>& d, const std::vector<double>& weight) {
+        constexpr int patience = 3;
+        if (k < patience) return 1;
+        const double size = std::sqrt(product(d, d, weight)),
+                     before = std::sqrt(product(last_, last_, weight));
+        if (product(d, last_, weight) < -0.7 * size * before && size > 0.5 * before) most_ = 0.5 * before;
+        const double share = size > most_ ? most_ / size : 1;
+        for (double& each : d) each *= share;
+        last_ = d;
+        return share;
+    }
+
+  private:
+    static double product(const std::vector<double>& a, const std::vector<double>& b,
+                          const std::vector<double>& weight) {
+        double sum = 0;
+        for (std::size_t i = 0; i < std::min({weight.size(), a.size(), b.size()}); ++i)
+            sum += weight[i] * weight[i] * a[i] * b[i];
+        return sum;
+    }
+    double most_ = std::numeric_limits<double>::infinity();
+    std::vector<double> last_;
+};
 }  // namespace
 
 // Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
@@ -142,6 +172,7 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
         forces(options.keep_factor, contraction_of_forces_);
     bool arrived = false;
     Acceleration acceleration;
+    ToAndFro to_and_fro;
     const bool accelerates = !rigid_;  // by updates that are not sums
     update_vectors(step);
     // Velocities are increments by the step length: errors are judged against the increment of the whole
@@ -180,7 +211,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
             size = vector_kernels().largest(n_, d_.data(), inverse_scale_.data());
             acceleration.apply(d_, inverse_scale_);
         }
-        const double share = limit_correction();
+        double share = limit_correction();
+        if (refresh && !outdated) share *= to_and_fro.shorten(k, d_, inverse_scale_);
         size = std::max(size, iterate(step) / share);
         report.increments.push_back(size);
         report.iterations = k + 1;

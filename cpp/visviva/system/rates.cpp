@@ -45,7 +45,7 @@ Step instant_after(const Step& step) {
     Step instant;
     instant.t0 = instant.t1 = instant.te = step.t1, instant.h = length;
     instant.theta = 0, instant.theta_g = 1;
-    instant.motion[1][0] = instant.transport[0][0] = 1;
+    instant.motion[1][0] = instant.transport[0][0] = instant.flow[0][0] = 1;
     return instant;
 }
 

@@ -7,7 +7,7 @@ namespace visviva {
 
 // The kept factorisation can be missing.
 static const std::string tangent_name = "tangent";
-static constexpr int tangent_version = 1;
+static constexpr int tangent_version = 2;
 
 // Terms are told apart by their place.
 std::string System::memory_name(std::size_t term) const {
@@ -39,6 +39,7 @@ Record System::tangent_record() const {
         m.push_back(value);
     m.insert(m.end(), &s.motion[0][0], &s.motion[0][0] + 20);
     m.insert(m.end(), &s.transport[0][0], &s.transport[0][0] + 20);
+    m.insert(m.end(), &s.flow[0][0], &s.flow[0][0] + 20);
     m.insert(m.end(), factored_state_.begin(), factored_state_.end());
     m.insert(m.end(), factored_signals_.begin(), factored_signals_.end());
     return tangent;
@@ -125,7 +126,8 @@ void System::make_again(const Record& tangent) {
     s.stress = static_cast<Stress>(static_cast<int>(m[6]));
     std::copy(m + 7, m + 27, &s.motion[0][0]);
     std::copy(m + 27, m + 47, &s.transport[0][0]);
-    m += 47;
+    std::copy(m + 47, m + 67, &s.flow[0][0]);
+    m += 67;
     const std::vector<double> now[5] = {x, dx, v, a, w};
     const std::vector<double> known = histories();
     return_to(Past::tangent);

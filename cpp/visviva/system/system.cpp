@@ -14,15 +14,17 @@
 
 namespace visviva {
 
-System::System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale)
+System::System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale,
+               const std::vector<char>& flows)
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
     for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
                     &v_next_, &a_next_, &w_next_, &still_})
         u->assign(n_ + 1, 0.0);
     for (int i = 0; i < n_; ++i)
-        if (segments_.empty() || segments_.back().order != order_[i])
-            segments_.push_back({i, i + 1, order_[i]});
+        if (const bool flow = !flows.empty() && flows[i];
+            segments_.empty() || segments_.back().order != order_[i] || segments_.back().flows != flow)
+            segments_.push_back({i, i + 1, order_[i], flow});
         else
             segments_.back().end = i + 1;
     inverse_scale_.resize(n_);
@@ -119,13 +121,16 @@ void System::predict(const Step& step) {
         if (!fixed_[i]) dx[i] = 0;
     if (!step.is_static()) predictor_.predict(step.h, x.data(), v.data(), dx.data());
     predictor_.predict_multipliers(step.h, dx.data());
+    for (std::size_t k = 0; k < guessed_.size(); ++k)
+        if (!fixed_[guessed_[k]]) dx[guessed_[k]] = guess_[k];
+    guessed_.clear();
     set_base_rates(step);
 }
 
 void System::set_base_rates(const Step& step) {
     for (const Segment& s : segments_) {
         if (s.order == 0) continue;
-        const auto& t = s.order == 2 ? step.motion : step.transport;
+        const auto& t = s.table(step);
         const bool history = t[0][2] != 0 || t[0][3] != 0 || t[1][2] != 0 || t[1][3] != 0;
         for (int i = s.begin; i < s.end; ++i) {
             base_rate_[i] = t[0][1] * v[i];
@@ -148,7 +153,7 @@ void System::update_rates(const Step& step) {
     for (const Segment& s : segments_) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
-        const auto& t = s.order == 2 ? step.motion : step.transport;
+        const auto& t = s.table(step);
         if (needs_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
         if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
     }
@@ -285,10 +290,10 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
     auto used = [k](const double table[5][4]) {
         return std::any_of(table[k], table[k] + 4, [](double c) { return c != 0; });
     };
-    if (!used(step.motion) && !used(step.transport)) return false;
+    if (!used(step.motion) && !used(step.transport) && !used(step.flow)) return false;
     std::copy(now.begin(), now.end(), next.begin());
     for (const Segment& s : segments_) {
-        const auto& t = s.order == 2 ? step.motion : step.transport;
+        const auto& t = s.table(step);
         if (s.order == 0 || !used(t)) continue;
         for (int i = s.begin; i < s.end; ++i) next[i] = t[k][0] * dx[i] + t[k][1] * v[i];
         const bool history = t[k][2] != 0 || t[k][3] != 0;
@@ -310,6 +315,7 @@ Report System::finish(Report report, const Step& step, const Signals& signals, b
     const Context context{step, vectors, signals};
     const bool new_v = end_of_step(step, 2, v, v_next_), new_a = end_of_step(step, 3, a, a_next_),
                new_w = end_of_step(step, 4, w, w_next_);
+    if (step.begins_transport() && !entropy_.unknown.empty()) take_off_excess(context);
     stale_begin_ = true;
     drive_work_.assign(drives_.size(), 0.0);
     if (step.projects_rates && projects_rates() && !project_rates(context))

@@ -70,7 +70,8 @@ struct Phases {
 class System {
   public:
     // order 2 motion, 1 transport, 0 algebraic; scale > 0: a change of this size is large; 0: not judged.
-    System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale);
+    System(std::vector<int> order, std::vector<char> fixed, std::vector<double> scale,
+           const std::vector<char>& flows = {});
 
     void add(std::shared_ptr<Term> term) {
         const TermCapabilities can = term->capabilities();
@@ -89,7 +90,7 @@ class System {
         island_ = std::move(island);
         constraint_account_ = std::move(account), account_island_ = std::move(island_of_account);
     }
-    void set_accounts(int n_accounts, int n_components);
+    void set_accounts(int n_accounts, int n_components, std::vector<char> of_heat = {});
     // Before finalize(): the terms added here are some of those of the system, others have the rest.
     void set_processes(std::unique_ptr<Processes> processes) { processes_ = std::move(processes); }
     void finalize();
@@ -145,6 +146,10 @@ class System {
     // Multipliers of constraints that functions of time drive, and where the work of each is booked.
     void set_drives(std::vector<int> multiplier, std::vector<int> account) {
         drives_ = std::move(multiplier), drive_account_ = std::move(account);
+    }
+    // Increments of some unknowns at which the iteration of the next step begins.
+    void begin_at(std::vector<int> unknown, std::vector<double> increment) {
+        guessed_ = std::move(unknown), guess_ = std::move(increment);
     }
     // Makes the increment of a solved step the new state; one that has no rates at its end has not converged.
     [[nodiscard]] Report accept(const Step& step, const Signals& signals, bool ledger);
@@ -256,6 +261,7 @@ class System {
     double finest_search() const;
     void clear_values();
     void set_base_rates(const Step&);
+    void take_off_excess(const Context&);
     void update_vectors(const Step&);
     void update_rates(const Step&);
     bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
@@ -362,6 +368,7 @@ class System {
     std::vector<int> prescribed_, prescribed_account_, drives_, drive_account_;
     std::vector<double> drive_work_;  // of each drive, by the projection of the rates of this step
     std::vector<Supply> supply_;
+    std::vector<char> heat_account_;  // [account]
     Entropy entropy_;
     std::vector<std::int64_t> held_zero_, held_one_;
     Csr csr_;
@@ -374,12 +381,18 @@ class System {
     int rate_revision_ = -1;
     struct Segment {
         int begin, end, order;  // unknowns of equal order in a row
+        bool flows;             // velocities of flows
+        auto table(const Step& step) const -> const double (&)[5][4] {
+            return order == 2 ? step.motion : flows ? step.flow : step.transport;
+        }
     };
     std::vector<Segment> segments_;
     bool needs_rates_ = false;
     std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
     std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
     std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
+    std::vector<int> guessed_;                      // unknowns
+    std::vector<double> guess_;                     // of their increments in the next one
     std::vector<double> still_;                     // the velocities of statics, none
     std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
     std::vector<double> mean_;                      // rate of that step, where velocities swing; or none

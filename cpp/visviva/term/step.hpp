@@ -18,14 +18,23 @@ struct Step {
     Stress stress = Stress::at_theta;
     bool projects_rates = false;  // at the end onto the constraints, see rates.cpp
     // The rates at the evaluation point and the history at the end, linear in (dx, v, a, w); rows: rate,
-    // second rate, v1, a1, w1. One table for motion (order 2) and one for transport (order 1).
+    // second rate, v1, a1, w1. One table for motion (order 2), one for transport of contents (order 1), and
+    // one for velocities of flows (order 1), whose rates at the start are smooth: they need no first step.
     double motion[5][4] = {};
     double transport[5][4] = {};
+    double flow[5][4] = {};
 
     bool has_length() const { return h > no_length; }
     // Increments of positions make no velocities: in load steps, and at an instant, which has no increments.
     bool is_static() const { return motion[0][0] == 0; }
     bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
+    // Contents take the step without a history that motion has: a first one, see Scheme.first.
+    bool begins_transport() const { return motion[1][2] != 0 && transport[0][2] == 0; }
+    // Backward Euler in contents, alone or as the first step of another scheme.
+    bool goes_to_ends() const {
+        return has_length() && stress == Stress::at_theta && theta == 1 && transport[0][0] != 0 &&
+               transport[0][2] == 0;
+    }
     // Statics and schemes of second order that balance forces at the end of the step.
     bool balances_ends() const { return (is_static() && transport[0][0] == 0) || uses_history(); }
     // Rates contain those of earlier steps and may point against the way of this one. Damping books its work

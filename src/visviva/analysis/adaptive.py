@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.model.field import Role
 from visviva.output.checkpoint import Record
 from visviva.system.newton import StepFailure
 from visviva.system.steps import next_kink
@@ -83,12 +84,14 @@ class Adaptive(metaclass=Validated):
 class _Estimate:
     """The velocities before the last step, that step's length and the length of the one before.
 
-    `means` are the unknowns whose rates are means over the last step, `late` those of them without a rate at the start.
+    `means` are the unknowns whose rates are means over the last step, `late` those of them without a rate at the start;
+    `first` are the rates at the start of contents that take a first step, in which theirs are means as well.
     """
 
     inverse_scale: Array
     means: NDArray[np.bool_]
     late: NDArray[np.int64]
+    first: tuple[NDArray[np.bool_], Array] | None = None
     rates: Array | None = None
     length: float = 0.0
     before: float = 0.0
@@ -98,6 +101,9 @@ class _Estimate:
         bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
         if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
             bend[self.late] = 0.0
+            if self.first is not None:
+                of, start = self.first
+                bend[of] = 0.5 * ((start - rates) * self.inverse_scale)[of]
             return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
         L = self.length
         before = 0.5 * h / L * (rates - self.rates) * self.inverse_scale
@@ -122,6 +128,9 @@ def adaptive_steps(
     means = has_means & (system.order == 1)
     means[late] = True
     estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0), means, late)
+    if scheme.needs_acceleration and not system.stepper.has_rates:
+        contents = [np.full(f.size, f.role is Role.CONTENT) for f in system.model.fields]
+        estimate.first = (system.order == 1) & np.concatenate(contents), system.core.a.copy()
     h, last, pace = math.ldexp(float(np.clip(step, low, high)), -halved), 1.0, system.stepper.pace
     if NAME in pace:
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
@@ -132,7 +141,7 @@ def adaptive_steps(
         left = next_kink(system, until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
         try:
-            attempt = system.attempt(scheme.step(system.time, taken))
+            attempt = system.attempt(system.stepper.step_of(scheme, taken))
             rates = system.v.copy()
             there = overlaps(system)
             deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)

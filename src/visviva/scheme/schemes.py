@@ -93,16 +93,24 @@ class Scheme(metaclass=Validated):
         """Table of a field of order 1."""
         raise NotImplementedError
 
-    def step(self, t0: float, h: float) -> _core.Step:
-        """The numbers of the step from `t0` to ``t0 + h``."""
+    def first(self, h: float) -> Table:
+        """Table of contents, fields of order 1 that do not flow, in the first step of a scheme with a history.
+
+        Backward Euler: rates at the start, infinite where temperatures jump, do not enter. It costs no order.
+        """
+        rate = (1 / h, 0, 0, 0)
+        return (rate, NONE, rate, rate, rate)
+
+    def step(self, t0: float, h: float, *, begins: bool = False) -> _core.Step:
+        """The numbers of the step from `t0` to ``t0 + h``; where it `begins`, no step has left a history."""
         refuse_extreme(h)
         theta_g = self.theta if self.theta_g is None else self.theta_g
         te = t0 + self.theta * h
         motion = np.array(self.motion(h), dtype=float)
-        transport = np.array(self.transport(h), dtype=float)
-        return _core.Step(
-            t0, h, te, self.theta, theta_g, self.discrete_gradient, motion, transport, self.projects_velocity
-        )
+        flow = np.array(self.transport(h), dtype=float)
+        contents = np.array(self.first(h), dtype=float) if begins and self.needs_acceleration else flow
+        tables = motion, contents, self.projects_velocity, flow
+        return _core.Step(t0, h, te, self.theta, theta_g, self.discrete_gradient, *tables)
 
 
 def refuse_extreme(h: float) -> None:

@@ -34,11 +34,13 @@ def build_core(system: System) -> _core.System:
     refuse_different_starts(model.fields)
     order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in model.fields])
     fixed = np.concatenate([f.fixed for f in model.fields]).astype(np.int32)
-    core = _core.System(order, fixed, system.scale)
+    flows = np.concatenate([np.full(f.size, f.role is Role.VELOCITY, dtype=np.int32) for f in model.fields])
+    core = _core.System(order, fixed, system.scale, flows)
     terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
     terms += [term.build(model, component) for term, component in model.terms]
     held = supplied(model)
-    core.set_accounts(len(model.accounts), len(system.components))  # after the terms have opened theirs
+    of_heat = np.array([a.category == "heat" for a in model.accounts], dtype=np.int32)
+    core.set_accounts(len(of_heat), len(system.components), of_heat)  # after the terms have opened theirs
     if world().size > 1:
         core.set_processes(world().of_core())
     shared = {id(s.term) for c in system.components for s in model.announced(c, SharedOut)}

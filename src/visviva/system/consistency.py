@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva import _core
 from visviva.base.errors import InputError
 from visviva.system.floating import displaced_mass, impulse_at_start
 from visviva.system.instant import COMPLIANCE, Instant, instant
@@ -277,9 +276,6 @@ def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant |
     for history, offset in zip(histories, scheme.history_at, strict=True):
         if offset and len(at.multipliers):
             history[:] = accelerations_later(system, history, offset * h)
-    for term in system.model.batches:
-        if isinstance(term, _core.PointTerm):
-            term.forget_rates()
     system.invalidate()
     system.stepper.has_acceleration = True
 

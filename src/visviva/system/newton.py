@@ -111,10 +111,10 @@ class StepFailure(RunError):
 
 
 def trouble_of(system: System) -> str:
-    """Complaints of components about the trial state, in sentences; empty if there are none."""
+    """Complaints of components about the trial state, or its start if it is not finite, in sentences; empty if none."""
     trial = system.x + system.core.dx
     if not np.isfinite(trial).all():
-        return ""
+        trial = system.x
     with suppress(VisvivaError, np.linalg.LinAlgError), np.errstate(all="ignore"):  # states may be wild
         return "".join(f"{found}. " for c in system.components if (found := c.trouble(trial)))
     return ""

@@ -1,14 +1,14 @@
 """Temperatures at the start that even out faster than a step lasts, and how short steps begin for them.
 
-Such are steep from node to node or through a shell, as where they were given so, or evened out across a tie. Entropy
-that they make by their slopes at the start would be taken for that of the step by schemes which begin with rates, and
-midpoint rules would turn them over in every step.
+Such are steep from node to node or through a shell, as where they were given so, or evened out across a tie. Midpoint
+rules would turn them over in every step. Other schemes go to the end of the first step by backward Euler, where these
+are even; shorter ones follow how they even out, where there are such.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ def first_halvings(system: System, scheme: Scheme, h: float) -> int:
     hasty = {c.label: h * rate for c, rate in zip(bodies, _rates(system, bodies), strict=True)}
     name = max(hasty, key=lambda label: hasty[label])
     n = math.ceil(math.log2(max(4 * hasty[name], 1.0)))
-    if n > MOST and not (scheme.needs_acceleration or scheme.keeps_swinging):
+    if n > MOST and not scheme.keeps_swinging:
         return 0  # what is steep is gone after a step of backward Euler
     if n > MOST:
         raise InputError(
@@ -73,6 +73,26 @@ def _is_uneven(body: HeatCarrier, x: Array) -> bool:
     return differ > EVEN * largest
 
 
+def begin_even(system: System, step: Any) -> None:
+    """Begin the iteration of a first step that goes to its end with even temperatures of bodies that balance entropy.
+
+    Of what steep ones make of heat the tangent sees the contrary, and leads below absolute zero.
+    """
+    if not (system.is_given and step.theta == 1 and step.transport_factor):
+        return
+    bodies = [c for c in system.components if isinstance(c, HeatCarrier) and c.balances_entropy]
+    if bodies:
+        numbers, changes = zip(*(_evening(system, body) for body in bodies), strict=True)
+        system.core.begin_at(np.concatenate(numbers), np.concatenate(changes))
+
+
+def _evening(system: System, body: HeatCarrier) -> tuple[NDArray[np.int32], Array]:
+    """Unknowns of its temperatures, and by how much they differ from the mean."""
+    numbers, modes = np.asarray(body.warmth[1].unknowns, dtype=np.int32), body.profiles().shape[1]
+    parts = system.x[numbers].reshape(-1, modes)
+    return numbers, (parts[:, 0].mean() * np.eye(1, modes) - parts).ravel()
+
+
 def _extremes(body: HeatCarrier, x: Array) -> tuple[float, float]:
     """By how much its temperatures differ, and the largest one: below zero in degrees Celsius, maybe."""
     T = body.temperatures_across(x)
@@ -83,9 +103,8 @@ def _rates(system: System, bodies: list[HeatCarrier]) -> list[float]:
     """Of the fastest temperature of each body, by all that its temperatures differ by, for what these alone drive."""
     means = np.zeros(len(system.x))
     for body in bodies:
-        at, modes = np.asarray(body.warmth[1].unknowns), body.profiles().shape[1]
-        parts = system.x[at].reshape(-1, modes)
-        means[at] = (parts[:, 0].mean() * np.eye(1, modes) - parts).ravel()
+        at, change = _evening(system, body)
+        means[at] = change
     with undisturbed(system):
         uneven = system.residual(instant(system.time, theta=1.0))
         system.core.dx[:] = means

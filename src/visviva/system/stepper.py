@@ -32,6 +32,8 @@ class Stepper:
         Steps that failed, or were too inaccurate, and were tried again.
     has_acceleration : bool
         Whether the accelerations of the core belong to the present state.
+    has_rates : bool
+        Whether steps have left the rates of fields of order 1 that schemes with a history go on from.
     solves_means : bool
         Whether multipliers are means over the last step, or not known yet.
     is_given : bool
@@ -58,6 +60,7 @@ class Stepper:
     clock: Clock = field(default_factory=Clock)
     rejected: int = 0
     has_acceleration: bool = False
+    has_rates: bool = False
     solves_means: bool = True
     is_given: bool = True
     is_edited: bool = False
@@ -68,16 +71,17 @@ class Stepper:
     means: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     moves: list[str] = field(default_factory=list)
     pace: dict[str, Record] = field(default_factory=dict)
-    _tables: tuple[Scheme, float, Any] | None = None  # of the last step; equal steps share them
+    _tables: tuple[Scheme, float, bool, Any] | None = None  # of the last step; equal steps share them
 
     def step_of(self, scheme: Scheme, h: float) -> Any:
         """The core's step of length `h` from the present time."""
         kept = self._tables
-        if kept is None or kept[1] != h or (kept[0] is not scheme and kept[0] != scheme):
+        begins = not self.has_rates
+        if kept is None or kept[1:3] != (h, begins) or (kept[0] is not scheme and kept[0] != scheme):
             h = positive("System.step", "h", h)
             refuse_other("System.step", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
-            kept = self._tables = scheme, h, scheme.step(self.clock.time, h)
-        return kept[2].moved_to(self.clock.time)
+            kept = self._tables = scheme, h, begins, scheme.step(self.clock.time, h, begins=begins)
+        return kept[3].moved_to(self.clock.time)
 
     def arrive(self, step: Any, signals: Array, scheme: Scheme) -> None:
         """The state is now that of a step."""
@@ -85,6 +89,7 @@ class Stepper:
         self.solves_means = scheme.solves_means
         self.clock.advance(step.h)
         self.has_acceleration = self.has_acceleration and scheme.needs_acceleration
+        self.has_rates = scheme.needs_acceleration
 
     def led_by(self, last: tuple[Any, Array] | None) -> None:
         """The state is that of this step and its signals, also after its rates were changed."""
@@ -94,7 +99,7 @@ class Stepper:
     def edited(self) -> None:
         """The state was changed from outside, and is no longer that of a step."""
         self.last = self.told_forces = self.settled = None
-        self.is_edited, self.is_given, self.has_acceleration = True, True, False
+        self.is_edited, self.is_given, self.has_acceleration, self.has_rates = True, True, False, False
 
     def begin_run(self) -> None:
         """Forget what an earlier run has chosen and found."""
@@ -107,6 +112,7 @@ class Stepper:
             "time": self.clock.time,
             "rejected": self.rejected,
             "has_acceleration": int(self.has_acceleration),
+            "has_rates": int(self.has_rates),
             "solves_means": int(self.solves_means),
             "is_given": int(self.is_given),
         }
@@ -123,6 +129,7 @@ class Stepper:
                 setattr(part, known.name, values.get(f"{name}.{known.name}", known.default))
         self.solves_means = bool(values["solves_means"])
         self.is_given = bool(values.get("is_given", False))
+        self.has_rates = bool(values.get("has_rates", not self.is_given))
 
     def copy(self) -> Stepper:
         """A copy that does not change with this one."""

@@ -17,6 +17,7 @@ from visviva.system.agreement import stepping
 from visviva.system.growing import refuse_imbalance, watches
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
+from visviva.system.steep_heat import begin_even
 from visviva.system.turn import alone
 
 if TYPE_CHECKING:
@@ -101,6 +102,7 @@ def _solve(system: System, solve: Callable[..., Any], step: Any, signals: Array 
     """Report of the core's function that solves a step; if it fails, the increment is discarded."""
     newton = system.newton
     tangents = system.asked_tangents if newton.tangents is None else newton.tangents
+    begin_even(system, step)
     with Trial(system):
         system.prescribe(step)
         with _failing(system, step):
