@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from visviva.results.audit import energy_verdict
 
 WELL = vv.DoubleWell(barrier=1.0)
 SQUARE = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
+LACKS = "WRONG, as the balance lacks"
 STIFF = vv.SaintVenantKirchhoff(young=100.0, poisson=0.2)
 
 
@@ -41,6 +43,16 @@ class Push(Leak):
 
     def residual(self, s: Stencils) -> Any:
         return super().residual(s) * s.step.te
+
+
+def drawn(share: float) -> list[Any]:
+    """A ball on a spring, drawn by 0.5 with a force of 20 at the end, of which this share is not booked."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=40.0, free_length=1.0)
+    along = vv.Constraint(of=[ball], function=lambda x: [x[1], x[2]], n=2)
+    leak = vv.UserTerm(term=Push(20.0 * share, 2), on=[ball])
+    pull = vv.Force(on=ball, force=(20.0 * (1 - share), 0, 0), times="t")
+    return [ground, ball, spring, along, leak, pull]
 
 
 def smooth() -> vv.CahnHilliard:
@@ -105,9 +117,6 @@ def test_contents_out_of_nothing_are_no_excuse_of_themselves(scheme: vv.Scheme) 
 
 
 def test_entropy_at_rest_excuses_no_work_of_statics() -> None:
-    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
-    spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=40.0, free_length=1.0)
-    along = vv.Constraint(of=[ball], function=lambda x: [x[1], x[2]], n=2)
     crack = vv.ThermalFracturingSolid(
         mesh=SQUARE,
         material=STIFF,
@@ -117,11 +126,65 @@ def test_entropy_at_rest_excuses_no_work_of_statics() -> None:
         temperature=300.0,
     )
     held = [vv.Fixed(solid=crack, nodes="x0"), vv.PrescribedTemperature(body=crack, nodes="x0", value=300.0)]
-    leak = vv.UserTerm(term=Push(20.0, 2), on=[ball])
-    result = vv.quasi_static(
-        vv.System([ground, ball, spring, along, leak, crack, *held]), until=1.0, step=0.1
-    )
-    assert energy_verdict(result).startswith("WRONG, if load steps were short")
+    result = vv.quasi_static(vv.System([*drawn(1.0), crack, *held]), until=1.0, step=0.1)
+    assert energy_verdict(result).startswith(LACKS)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.28])
+@pytest.mark.parametrize("step", [0.1, 0.02])
+def test_trapezoids_excuse_no_load_that_is_not_booked(share: float, step: float) -> None:
+    """Forces are linear in the way: the sum of works over load steps misses nothing of 5."""
+    result = vv.quasi_static(vv.System(drawn(share)), until=1.0, step=step)
+    assert result.ledger.last("imbalance") == pytest.approx(5.0 * share)
+    assert energy_verdict(result).startswith(LACKS)
+
+
+def bent(leak: float) -> list[Any]:
+    """A bar that a pressure bends by its width in four load steps, which work misses by a hundredth; and a leak."""
+    mesh = vv.RectangleMesh(size=(4, 1), counts=(4, 1), cell="quad8")
+    solid = vv.Solid(mesh=mesh, material=vv.SaintVenantKirchhoff(young=50.0, poisson=0.3))
+    push = vv.Pressure(solid=solid, faces="y0", pressure="0.3*t")
+    return [solid, vv.Fixed(solid=solid, nodes="x0"), push, *drawn(leak)]
+
+
+def test_trapezoids_of_what_bends_excuse_what_they_miss_alone() -> None:
+    verdicts = {}
+    for leak in (0.0, 0.05):
+        result = vv.quasi_static(vv.System(bent(leak)), until=1.0, step=0.25)
+        verdicts[leak] = energy_verdict(result)
+        assert result.ledger.imbalance() > 1e-3
+    assert "is a trapezoidal sum" in verdicts[0.0]
+    assert verdicts[0.05].startswith(LACKS)
+
+
+def test_what_sums_miss_follows_from_energies() -> None:
+    """To a thousandth, in a step, as they are the same path: energies that rise less half of the forces at its ends."""
+    result = vv.quasi_static(vv.System(bent(0.0)), until=1.0, step=0.25)
+    assert result.ledger.sizes.missed is not None
+    assert result.ledger.sizes.missed.span[0] == pytest.approx(result.ledger.last("imbalance"), rel=1e-3)
+
+
+@pytest.mark.parametrize("changes", [(-6,), (-6, 6), (6,)])
+def test_heat_excuses_no_gain_of_others_in_statics(changes: tuple[int, ...]) -> None:
+    """A ball on a spring gains 5 out of nothing, bodies beside it 6.6 of heat each, or lose it."""
+    heated: list[Any] = []
+    for by in changes:
+        body = warm()
+        held = vv.PrescribedTemperature(body=body, nodes="all", value=f"300 + {by}*t")
+        heated += [body, vv.Fixed(solid=body, nodes="x0"), held]
+    result = vv.quasi_static(vv.System([*drawn(1.0), *deepcopy(heated)]), until=1.0, step=0.1)
+    assert energy_verdict(result).startswith(LACKS)
+    result = vv.quasi_static(vv.System([*drawn(0.0), *heated]), until=1.0, step=0.1)
+    assert "heat that bodies give away" in energy_verdict(result)
+
+
+def test_steady_heat_is_no_snap() -> None:
+    """Of a body that balances heat, and no entropy."""
+    body = vv.ThermalBody(mesh=SQUARE, conductivity=1.0, capacity=1.0, temperature=300.0)
+    held = [vv.PrescribedTemperature(body=body, nodes=f"x{k}", value=f"300 + {50 * k}*t") for k in (0, 1)]
+    result = vv.quasi_static(vv.System([body, *held]), until=1.0, step=0.1)
+    assert result.ledger.imbalance() > 0.5
+    assert "heat that bodies give away" in energy_verdict(result)
 
 
 def warm(**options: Any) -> vv.ThermoelasticSolid:

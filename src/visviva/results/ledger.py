@@ -18,6 +18,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.missed import Missed
 from visviva.results.spread import Spread, unbooked
 from visviva.results.swings import Swings
 from visviva.system.instant import Instant, instant
@@ -60,6 +61,8 @@ class Sizes:
     spread, unbooked : Spread
         What components with contents, and those with `Unbooked` changes, stored and lost so far; nothing in a ledger
         that was read.
+    missed : Missed, optional
+        What sums over load steps missed so far.
     """
 
     mass: float = 0.0
@@ -69,6 +72,7 @@ class Sizes:
     inner: tuple[str, ...] = ()
     spread: Spread = field(default_factory=Spread.empty)
     unbooked: Spread = field(default_factory=Spread.empty)
+    missed: Missed | None = None
 
 
 @dataclass(repr=False)
@@ -317,11 +321,15 @@ class Bookkeeper:
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
         with undisturbed(system):
-            own = (
+            sizes = Sizes(
+                mass,
+                system.model.length,
+                *force_scale(system),
+                inner_potentials(system),
                 Spread.of_contents(system.model),
                 Spread.of(system.model, unbooked(system.components)),
+                None if system.has_inertia else Missed(system),
             )
-            sizes = Sizes(mass, system.model.length, *force_scale(system), inner_potentials(system), *own)
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)
             self._per_reach = 1 / reaches(system)[:, None]
@@ -362,6 +370,8 @@ class Bookkeeper:
             [[time, kinetic], potential, [total], self.done, [imbalance], momentum, defect, entropy]
         )
         self.ledger.add(row)
+        if (missed := self.ledger.sizes.missed) is not None:
+            missed.add(imbalance, sum(map(self.ledger.swing, self.ledger.brought)))
         return row
 
 

@@ -59,6 +59,8 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "spread": books.ledger.sizes.spread.span,
         "unbooked": books.ledger.sizes.unbooked.span,
     }
+    if (missed := books.ledger.sizes.missed) is not None:
+        ledger["missed"] = missed.span
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
         Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
@@ -123,6 +125,8 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     for name in ("spread", "unbooked"):
         own = getattr(books.ledger.sizes, name)
         own.span = ledger.arrays.get(name, own.span)
+    if (missed := books.ledger.sizes.missed) is not None:
+        missed.resume(ledger.arrays.get("missed"))
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
