@@ -273,7 +273,10 @@ class Path:
         """Go along the tangent; without a given arc by the load `unit`. Returns the arc."""
         e = self.equations
         e.linearise(self.time)
-        d = e.solve(self.time, self.slope())
+        slope = self.slope()
+        d = e.solve(self.time, slope)
+        if previous is None:
+            d = e.refined(self.time, slope, d)  # all arcs are measured by it
         dt = self.unit
         if previous is None and not self.length(d * self.unit, self.unit) > ROUNDING:
             raise InputError(

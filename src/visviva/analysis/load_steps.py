@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from visviva.analysis.march import advance, begin, checked_times, keep
 from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError, NotFinite, RunError
+from visviva.base.world import world
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.memory import Trial
@@ -182,6 +183,18 @@ class Equilibrium:
         if not self.system.core.linear_solve(step, residual, d, enough):
             raise NoEquilibrium(f"at the load parameter {time:.6g}: {self.system.core.linear_message}")
         return np.where(self.free, d, 0.0)
+
+    def refined(self, time: float, residual: Array, d: Array) -> Array:
+        """The increment `d` for a residual with what the solver has left of that solved as well."""
+        import scipy.sparse as sp
+
+        step, core = self.at(time), self.system.core
+        row, col, unknown = (np.asarray(part) for part in core.csr)
+        values, change = np.zeros(len(col)), np.zeros(len(d))
+        core.assemble(step, self.system.signals(step), np.zeros(len(d)), values)
+        change[unknown] = sp.csr_array((values, col, row), shape=(len(unknown),) * 2) @ d[unknown]
+        world().sum(change)  # each has the tangent of its elements
+        return d + self.solve(time, residual + change)
 
     def size(self, d: Array) -> float:
         """Largest entry relative to the unknowns' scales."""
