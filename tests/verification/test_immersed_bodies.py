@@ -51,9 +51,11 @@ def test_disc_in_shear_turns_at_half_the_rate(elements: str, n: int) -> None:
     assert np.allclose(log.point().position.value(system.x), 0.0, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("n", [32, 48])
-def test_a_light_disc_is_let_go_as_in_potential_flow(n: int) -> None:
-    """Fluid of little viscosity around marks that are as close as nodes: added mass 1.168 in a box without friction."""
+def let_go(n: int, step: float) -> float:
+    """Acceleration of a light disc by that in potential flow: added mass 1.168 in a box without friction.
+
+    Fluid of little viscosity, around marks that are as close as nodes.
+    """
     radius, density, end, added = 0.3, 0.3, 0.1, 1.1677
     mesh = vv.RectangleMesh(size=(2, 2), counts=(n, n), origin=(-1, -1))
     water = vv.Fluid(mesh=mesh, density=1.0, viscosity=1e-4)
@@ -61,9 +63,21 @@ def test_a_light_disc_is_let_go_as_in_potential_flow(n: int) -> None:
     wet = vv.ImmersedBody(body=log, fluid=water, spacing=1.0)
     gravity = vv.Gravity(acceleration=(0, -1, 0))
     system = vv.System([water, vv.FreeSlip(fluid=water, faces="all"), log, wet, gravity])
-    vv.simulate(system, until=end, step=0.01)
+    vv.simulate(system, until=end, step=step)
     acceleration = 2 * log.point().position.value(system.x)[1] / end**2
-    assert acceleration == pytest.approx((1 - density) / (density + added), rel=0.05)
+    return float(acceleration * (density + added) / (1 - density))
+
+
+@pytest.mark.parametrize("n", [32, 48])
+def test_a_light_disc_is_let_go_as_in_potential_flow(n: int) -> None:
+    """In ten steps, in which stabilisation lets through about as much as the fluid that sticks to the disc holds up."""
+    assert let_go(n, 0.01) == pytest.approx(1.0, rel=0.05)
+
+
+def test_a_light_disc_is_let_go_too_slowly_in_short_steps_on_few_cells() -> None:
+    """The fluid sticks to a part of a cell around it: an error of the first order in cells, and on the safe side."""
+    coarse, fine = (1 - let_go(n, 0.0025) for n in (24, 48))
+    assert 0.0 < fine < 0.6 * coarse < 0.18
 
 
 def drag(n: int, cell: str) -> float:

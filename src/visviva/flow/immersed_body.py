@@ -68,8 +68,9 @@ class ImmersedBody(Carried):
     5 % at 1.5. The body takes away the inertia and weight of the fluid it displaces.
 
     Between marks viscosity alone holds the fluid: where it is small or the start is sudden, fluid passes through the
-    body, however fine the cells, and a light body accelerates much too fast. Take ``spacing=1`` there, in stabilised
-    quadrilaterals; drag in steady flow is nearer with 1.5, as closer marks drag more.
+    body and circulates inside, however fine the cells and short the steps, and a light body accelerates much too fast.
+    Take ``spacing=1`` there, in stabilised quadrilaterals, and try shorter steps too: stabilisation lets fluid through
+    by an amount of the first order in the step. Drag in steady flow is nearer with 1.5, as closer marks drag more.
 
     Examples
     --------
