@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from point_contacts import RUBBER
@@ -128,3 +130,17 @@ def test_self_contact_by_mortar_needs_two_parts() -> None:
         vv.Contact(first=plate, formulation="mortar")
     with pytest.raises(vv.InputError, match="leave out second and second_faces for self-contact"):
         vv.System([plate, vv.Contact(first=plate, second=plate)])
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("way", [0.15, 0.2, 0.4])
+def test_balls_do_not_pass_through_capsules(enforcement: Any, way: float) -> None:
+    """Half of the way through in a step it leaves by the other side: it went by as far as the capsule is long."""
+    ball = vv.RigidBody(
+        shape=vv.Sphere(radius=0.05), density=1.0, position=(-0.5, 0.003, 0.4), velocity=(20.0, 0, 0)
+    )
+    obstacle = vv.Obstacle(shape=vv.Capsule(radius=0.1, length=2.0))
+    contact = vv.Contact(first=ball, second=obstacle, stiffness=1e5, enforcement=enforcement)
+    system = vv.System([ball, obstacle, contact])
+    vv.simulate(system, until=0.1, step=way / 20.0)
+    assert vv.Position(of=ball)(system)[0] < 0

@@ -274,38 +274,64 @@ def test_what_is_round_does_not_fall_through_coarse_solids(shape: Any) -> None:
         vv.simulate(system, until=0.2, step=5e-3)
 
 
+def coarse_plate(shell: bool = False) -> Any:
+    """Nodes half a length apart."""
+    if shell:
+        sheet = vv.HomogeneousSection(young=1e6, poisson=0.3, thickness=0.1, density=1e3)
+        return vv.Shell(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 1), origin=(0, 0, -1.05)).build().surface("z1"),
+            section=sheet,
+        )
+    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1), origin=(0, 0, -0.2))
+    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
+
+
+@pytest.mark.parametrize("kind", [vv.Solid, vv.Shell, vv.Obstacle])
 @pytest.mark.parametrize(
-    ("shape", "position"),
+    ("shape", "position", "fits"),
     [
-        (vv.Box(size=(0.3, 2, 0.3)), (0.25, 0.5, 0.36)),
-        (vv.Sphere(radius=0.1), (0.25, 0.25, 0.36)),
+        (vv.Box(size=(0.3, 2, 0.3)), (0.25, 0.5, 0.21), True),
+        (vv.Box(size=(0.3, 2, 2)), (0.25, 0.5, 1.06), True),
+        (vv.Box(size=(0.4, 0.4, 0.4)), (0.25, 0.25, 0.26), True),
+        (vv.Box(size=(0.4, 0.4, 0.4)), (0.5, 0.5, 0.26), False),
+        (vv.Sphere(radius=0.33), (0.25, 0.25, 0.41), True),
+        (vv.Sphere(radius=0.37), (0.25, 0.25, 0.45), False),
+        (vv.Box(size=(0.4, 0.4, 0.4)), (2.25, 0.25, 0.26), False),
     ],
 )
-def test_what_fits_between_vertices_of_named_faces_is_refused(shape: Any, position: Any) -> None:
-    """Nothing is watched beside faces that are named: it fell through, without a word."""
-    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1))
-    plate = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
-    body = vv.RigidBody(shape=shape, density=500.0, position=position, velocity=(0, 0, -2))
-    named: dict[str, Any] = {"first_faces": "z1", "formulation": "node-to-segment"}
-    contact = vv.Contact(first=plate, second=body, **named)
-    with pytest.raises(
-        vv.InputError, match=r"falls between vertices of .* 0\.5 apart .* exchange first and second"
-    ):
-        vv.System([plate, body, vv.Fixed(solid=plate, nodes="z0"), contact])
+def test_what_fits_between_vertices_is_refused(kind: Any, shape: Any, position: Any, fits: bool) -> None:
+    """Where no step is watched: it fell through, without a word. Over a vertex, and beside it all, it does not."""
+    plate = coarse_plate(kind is vv.Shell)
+    named: dict[str, Any] = {"first_faces": "upper" if kind is vv.Shell else "z1"}
+    other: Any = vv.RigidBody(shape=shape, density=500.0, position=position)
+    if kind is vv.Obstacle:
+        other = vv.Obstacle(shape=shape, at=position)
+    contact = vv.Contact(first=plate, second=other, formulation="node-to-segment", **named)
+    parts = [plate, other, vv.Fixed(solid=plate, nodes="all" if kind is vv.Shell else "z0"), contact]
+    system = vv.System(parts)
+    if not fits:
+        vv.simulate(system, until=1e-4, step=1e-4)
+        return
+    with pytest.raises(vv.InputError, match=r"fits between the vertices of .* finer cells"):
+        vv.simulate(system, until=1e-4, step=1e-4)
 
 
-@pytest.mark.parametrize("width", [0.4, 0.6])
-def test_what_is_narrower_than_edges_of_a_plane_solid_is_refused(width: float) -> None:
+@pytest.mark.parametrize("faces", ["all", "y1"])
+@pytest.mark.parametrize(
+    ("width", "place", "fits"), [(0.4, 0.25, True), (0.6, 0.25, False), (0.2, 0.5, False)]
+)
+def test_what_fits_between_vertices_in_the_plane_is_refused(
+    width: float, place: float, fits: bool, faces: str
+) -> None:
     lower = vv.RectangleMesh(size=(1, 0.2), counts=(2, 1))
-    upper = vv.RectangleMesh(size=(width, 0.2), counts=(4, 2), origin=(0.25 - width / 2, 0.21))
+    upper = vv.RectangleMesh(size=(width, 0.6), counts=(4, 2), origin=(place - width / 2, 0.21))
     rubber = vv.NeoHooke(young=1e6, poisson=0.3)
     plate, block = (vv.Solid(mesh=mesh, material=rubber, density=1e3) for mesh in (lower, upper))
-    contact = vv.Contact(first=plate, first_faces="y1", second=block, formulation="node-to-segment")
+    contact = vv.Contact(first=plate, first_faces=faces, second=block, formulation="node-to-segment")
     parts = [plate, block, vv.Fixed(solid=plate, nodes="y0"), contact]
-    if width < 0.5:
-        with pytest.raises(
-            vv.InputError, match=r"is 0\.4 across and falls between vertices of .* 0\.5 apart"
-        ):
-            vv.System(parts)
-    else:
-        vv.System(parts)
+    system = vv.System(parts)
+    if not fits:
+        vv.simulate(system, until=1e-4, step=1e-4)
+        return
+    with pytest.raises(vv.InputError, match=r"fits between the vertices of .* exchange first and second"):
+        vv.simulate(system, until=1e-4, step=1e-4)

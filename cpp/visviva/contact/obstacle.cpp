@@ -130,10 +130,7 @@ Vector3 Obstacle::local(const double* X, const Vector3& x) const {
 void Obstacle::approaches(const double* from, const double* to, std::vector<Approach>& out) const {
     out.assign(n_, {});
     if (shape_.core == ObstacleShape::half_space) return;
-    double least = HUGE_VAL;
-    for (double half : shape_.half)
-        if (half > 0) least = std::min(least, half);
-    if (!std::isfinite(least)) least = 0;
+    const double least = *std::min_element(shape_.half, shape_.half + 3);
     for (int A = 0; A < n_; ++A)
         if (reaches(from, to, A)) out[A] = {least + shape_.radius + options_.radius, way(from, to, A)};
 }

@@ -37,6 +37,7 @@ from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
 from visviva.contact.edges import edges_of, lie_beside
+from visviva.contact.narrow import refuse_narrow
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
 from visviva.contact.unseen import refuse_hidden, refuse_unseen
@@ -342,6 +343,7 @@ class Contact(Component):
             if self._edges:
                 self._edges.refuse_overlap(DEEP * self.extent)
         refuse_unseen(self, self._reach, state.x)
+        refuse_narrow(self, state.x)
         seen = np.append(-np.nan_to_num(self.gaps), self._edges.depths if self._edges else 0.0)
         if seen.max() <= DEEP * self.extent:
             refuse_hidden(self, DEEP * self.extent, state.x)

@@ -178,13 +178,6 @@ class Surface:
         spans = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1)
         return float(spans.max(initial=0.0))
 
-    @cached_property
-    def least_edge(self) -> float:
-        """Length of the shortest edge of a facet; 0 for points without facets."""
-        corners = self._corners()
-        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1)
-        return float(edges[edges > 0].min(initial=np.inf)) if len(corners) else 0.0
-
 
 @cache
 def lifted(kind: str) -> Array:

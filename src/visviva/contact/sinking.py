@@ -1,4 +1,4 @@
-"""Rigid bodies that sink into each other where their gaps do not see it: steps in which they do fail."""
+"""Bodies that sink into each other where their gaps do not see it: steps in which they do fail."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, TypeGuard
 import numpy as np
 
 from visviva import _core
-from visviva.base.errors import InputError
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component.point import Attachable
@@ -22,7 +21,6 @@ UNSEEN = 0.01
 
 FLEXIBLE = 40
 """How many times as deep solids are watched: vertices that slide over edges of theirs within a step sink that far."""
-ROUNDING = 1e-9
 THINNEST = 0.01
 """Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
 
@@ -42,7 +40,7 @@ def watched(contact: Contact) -> Pairing | None:
     return (first, second) if isinstance(second, Obstacle) else None
 
 
-def _by_vertices(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
+def by_vertices(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
     """Both sides, one of them a solid, if vertices of the first alone touch: the second may pass between them.
 
     Of a first solid only where all faces may touch: what is pressed beside faces that are named is meant to be free.
@@ -65,9 +63,8 @@ def _encloses(body: object) -> TypeGuard[Solid | RigidBody]:
 
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
     """Let steps fail in which the bodies of a contact sink into each other unseen."""
-    pairing = watched(contact) or _by_vertices(contact)
+    pairing = watched(contact) or by_vertices(contact)
     if pairing is None:
-        _refuse_narrow(contact)
         return
     first, second = pairing
     _, radius = first.feelers() or ((), 0.0)
@@ -79,24 +76,6 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
     sides = whole_surface(contact, first), whole_surface(contact, second)
     least = min(narrowest(side) for side in sides)
     term.watch(skin(*sides, sees=False), unseen(least, first, second), least, _cure(contact, pairing))
-
-
-def _refuse_narrow(contact: Contact) -> None:
-    """Refuse solids of which no step is watched if the other body fits between the vertices that alone touch it."""
-    first, second = contact.first, contact.second
-    if contact.is_mortar or first is second or not isinstance(first, Solid):
-        return
-    if not isinstance(second, Solid) and not (isinstance(second, RigidBody) and second.shape is not None):
-        return
-    own, places = surface_of(first, contact.first_faces, contact.label), whole_surface(contact, second).places
-    axes = np.linalg.svd(places - places.mean(axis=0), full_matrices=False)[2]
-    across, apart = float(np.sort(np.ptp(places @ axes.T, axis=0))[1 - own.dimension]), own.least_edge
-    if across < (1 - ROUNDING) * apart:
-        raise InputError(
-            f"{contact.label}: {second.label} is {across:.3g} across and falls between vertices of {first.label}, "
-            f"which are {apart:.3g} apart and alone touch it; exchange first and second, or give {first.label} finer "
-            "cells"
-        )
 
 
 def unseen(least: float, *bodies: Attachable | Obstacle) -> float:

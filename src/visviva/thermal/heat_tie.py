@@ -28,6 +28,9 @@ from visviva.thermal.exchange import HeatBond, HeatExchange
 if TYPE_CHECKING:
     from visviva.model.model import Model
 
+MOSTLY = 0.5
+"""Nodes that see those with multipliers with more than this part of their weight need none themselves."""
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -150,15 +153,16 @@ class HeatTie(Component):
     def _chosen(self, model: Model) -> list[Bond]:
         """Which nodes bear the multipliers: those of the other side where temperatures of the one are prescribed.
 
-        Those of both that see each other would be redundant, so some cell between held nodes of both may be left out.
+        Those of both that mostly see each other would be redundant: beside held nodes a part of a cell is left out.
         """
+        if not self._given.held(model).any():
+            return [Bond(self._given, np.flatnonzero(self._given.tied))]
         sides = [(bearing, bearing.held(model)) for bearing in (self._given, self._given.exchanged)]
-        (main, held), (other, its) = sorted(sides, key=lambda side: side[1].sum())
+        (main, held), (other, its) = sorted(sides, key=lambda s: (s[1].sum(), -s[0].tied.sum()))
         bond = Bond(main, np.flatnonzero(main.tied & ~held))
-        if not held.any():
-            return [bond]
-        reaches = other.rows[:, len(other.tied) :][:, bond.chosen].count_nonzero(axis=1) > 0
-        return [bond, Bond(other, np.flatnonzero(other.tied & ~its & ~reaches))]
+        seen = abs(other.rows[:, len(other.tied) :])
+        bound = seen[:, bond.chosen].sum(axis=1) > MOSTLY * seen.sum(axis=1)
+        return [bond, Bond(other, np.flatnonzero(other.tied & ~its & ~bound))]
 
     def _refuse_shared(self, tie: HeatTie, its: list[Bond]) -> None:
         for own, other in product(self._bonds, its):
@@ -199,7 +203,14 @@ class HeatTie(Component):
         """Heat per time that passes from the first to the second, in the last step, of ties without conductance.
 
         Of two solids that deform it is the entropy per time.
+
+        Raises
+        ------
+        InputError
+            If it has a conductance.
         """
+        if self.conductance is not None:
+            raise InputError(f"{self.label}: heat is that of ties without a conductance")
         passed = 0.0
         for bond, numbers in self._numbered():
             own = bond.of

@@ -1,0 +1,97 @@
+"""Refusal of bodies that fit between the vertices which alone touch them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.errors import InputError
+from visviva.component.point import Attachable
+from visviva.contact.contact_surface import Surface, mesh_bodies, positions, surface_of
+from visviva.contact.obstacle import Obstacle
+from visviva.contact.sinking import by_vertices, whole_surface
+
+if TYPE_CHECKING:
+    from visviva.contact.contact import Contact
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.5
+"""Facets whose normals agree so far are of one side of a body."""
+BORDER = 1e-9
+"""Vertices so near to the border of a shadow, as part of its size, are in it."""
+
+
+def refuse_narrow(contact: Contact, x: Array) -> None:
+    """Refuse bodies that stand, at the unknowns `x`, over facets of a coarse first one and over none of its vertices.
+
+    They would fall through it. Where steps are watched for that it is left to these.
+    """
+    first, second = contact.first, contact.second
+    if contact.is_mortar or first is second or not isinstance(second, Attachable | Obstacle):
+        return
+    if not mesh_bodies(first) or by_vertices(contact) is not None:
+        return
+    own, other = surface_of(first, contact.first_faces, contact.label), whole_surface(contact, second)
+    if not len(own.facets) or not len(other.facets):
+        return
+    places, corners = positions(other, x), positions(own, x)
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    facet = _below(own, corners, middle)
+    if facet is None or _shades(own, corners, facet, places):
+        return
+    near = ", ".join(f"{c:.4g}" for c in middle)
+    exchange = "" if isinstance(second, Obstacle) else "exchange first and second, or "
+    raise InputError(
+        f"{contact.label}: {second.label} near ({near}) fits between the vertices of {first.label}, which alone touch "
+        f"it, and would fall through; {exchange}give {first.label} finer cells"
+    )
+
+
+def _normals(own: Surface, corners: Array) -> tuple[Array, Array]:
+    """Corners (m, 4, 3) of the facets, the first one again where there are fewer, and unit normals (m, 3)."""
+    ends = corners[np.where(own.facets >= 0, own.facets, own.facets[:, :1])]
+    if own.dimension == 3:
+        normals = np.cross(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
+    else:
+        along = ends[:, 1] - ends[:, 0]
+        normals = np.column_stack([along[:, 1], -along[:, 0], 0 * along[:, 0]])
+    return ends, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def _below(own: Surface, corners: Array, place: Array) -> int | None:
+    """The nearest facet that faces a place which is over it."""
+    ends, normals = _normals(own, corners)
+    if own.dimension == 3:
+        edges = np.roll(ends, -1, axis=1) - ends
+        within = np.einsum("mki,mi->mk", np.cross(edges, place - ends), normals) >= 0
+    else:
+        along = ends[:, 1] - ends[:, 0]
+        part = np.einsum("mi,mi->m", place - ends[:, 0], along)
+        within = np.column_stack([part >= 0, part <= np.einsum("mi,mi->m", along, along)])
+    height = np.einsum("mi,mi->m", place - ends.mean(axis=1), normals)
+    height[~within.all(axis=1) | (height < 0)] = np.inf
+    nearest = int(np.argmin(height))
+    return nearest if np.isfinite(height[nearest]) else None
+
+
+def _shades(own: Surface, corners: Array, facet: int, places: Array) -> bool:
+    """Whether vertices of a side are in the shadow of what is at these places, along the normal of a facet there."""
+    from scipy.spatial import ConvexHull
+
+    _, normals = _normals(own, corners)
+    normal = normals[facet]
+    alike = own.facets[normals @ normal > ALIKE]
+    across = np.linalg.svd(normal[None])[2][1:].T
+    if own.dimension == 2:
+        across = np.array([[normal[1]], [-normal[0]], [0.0]])
+    seen, shadow = corners[np.unique(alike[alike >= 0])] @ across, places @ across
+    low, high = shadow.min(axis=0), shadow.max(axis=0)
+    border = BORDER * float((high - low).max())
+    inside = ((seen >= low - border) & (seen <= high + border)).all(axis=1)
+    if own.dimension == 2 or not inside.any():
+        return bool(inside.any())
+    planes = ConvexHull(shadow, qhull_options="QJ").equations
+    return bool(((seen @ planes[:, :-1].T + planes[:, -1]).max(axis=1) <= border).any())
