@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.arguments import FrozenDict, Named, place, refuse_other
 from visviva.base.errors import InputError, nearest
 from visviva.base.html import table
-from visviva.base.world import by_first
 from visviva.mesh import convert, cut, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
@@ -350,10 +349,10 @@ class Mesh(metaclass=Named):
     def write(self, path: str | Path) -> None:
         """Write a file in the format of its ending: ``.vtu``, ``.vtk``, ``.msh``, ``.inp``, ``.med`` or one of meshio.
 
-        Sets are written with these, so that `MeshFile` finds them again; others lose them, and a warning names them. Of
-        several processes the first one writes, and all call it.
+        Sets are written with these, so that `MeshFile` finds them again; others lose them, and a warning names them.
+        The file is complete at every moment; several processes may write it at once, or each its own.
         """
-        by_first(lambda: write(self, Path(path)))
+        write(self, Path(path))
 
 
 def _fixed(array: Any) -> Any:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +40,8 @@ def write(mesh: Mesh, path: Path) -> None:
     if not path.parent.is_dir():
         raise InputError(f"{path} cannot be written: there is no folder {path.parent}")
     if path.suffix.lower() == ".inp":
-        write_abaqus(mesh, path)
+        with in_place_of(path) as new:
+            write_abaqus(mesh, new)
         return
     meshio = load_meshio()
     gmsh = path.suffix.lower() == ".msh"
@@ -49,7 +53,8 @@ def write(mesh: Mesh, path: Path) -> None:
     for block, kind in zip(made.cells, mesh.cells, strict=False):  # those of lower dimension are the same
         block.data = written_order(path.suffix.lower(), kind, block.data)
     try:
-        meshio.write(path, made, file_format="gmsh22" if gmsh else None)
+        with in_place_of(path) as new:
+            meshio.write(new, made, file_format="gmsh22" if gmsh else None)
     except ModuleNotFoundError as error:
         raise InputError(
             f"meshio writes *{path.suffix} by another package: pip install {error.name}"
@@ -62,6 +67,18 @@ def write(mesh: Mesh, path: Path) -> None:
     if lost and path.suffix.lower() not in HOLD_SETS:
         text = f"{path} cannot hold all sets of the mesh ({', '.join(lost)}); .vtu, .msh, .inp and .med can"
         warnings.warn(text, stacklevel=3)
+
+
+@contextmanager
+def in_place_of(path: Path) -> Iterator[Path]:
+    """A path of this name in a folder of its own; what is written there takes its place when the block succeeds.
+
+    So a file is complete at every moment, however many processes write it; some formats take several files.
+    """
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as folder:
+        yield Path(folder) / path.name
+        for file in Path(folder).iterdir():
+            os.replace(file, path.parent / file.name)
 
 
 def _marked(meshio: Any, mesh: Mesh, encoded: Callable[[str], str]) -> Any:
