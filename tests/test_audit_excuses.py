@@ -130,6 +130,72 @@ def test_entropy_at_rest_excuses_no_work_of_statics() -> None:
     assert energy_verdict(result).startswith(LACKS)
 
 
+def channel() -> list[Any]:
+    """A flow between walls, which brings 0.3 and loses 0.6 in the only load step."""
+    flow = vv.Fluid(
+        mesh=vv.RectangleMesh(size=(2, 1), counts=(8, 4), cell="tri6"), density=1.0, viscosity=0.01
+    )
+    enters = vv.VelocityBoundary(
+        fluid=flow,
+        faces="x0",
+        velocity=lambda t, X: X[:, 1:2] * (1 - X[:, 1:2]) * [4, 0, 0] * (1 + 0.5 * np.sin(3 * t)),
+    )
+    walls = [vv.NoSlip(fluid=flow, faces=y) for y in ("y0", "y1")]
+    return [flow, enters, *walls, vv.Outlet(fluid=flow, faces="x1")]
+
+
+def test_powers_of_steady_flows_are_no_leak_and_excuse_none_of_others() -> None:
+    verdicts = []
+    for beside in ([], drawn(0.0), drawn(0.05), snapping(100.0, 4000.0)):
+        result = vv.quasi_static(vv.System([*channel(), *beside]), until=1.0, step=1.0)
+        assert result.ledger.imbalance() > 0.1
+        verdicts.append(energy_verdict(result))
+    assert all(said.endswith("of steady flows it is powers that balance") for said in verdicts[:2])
+    assert verdicts[2].startswith(LACKS)
+    assert verdicts[3].startswith("WRONG, if load steps were short")
+
+
+def snapping(load: float, stiffness: float = 40.0) -> list[Any]:
+    """Two springs whose apex snaps through under a dead load."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(0, 0.3, 0))
+    springs = [
+        vv.Spring(
+            a=ground.point((x, 0, 0)),
+            b=ball.point(),
+            stiffness=stiffness,
+            free_length=float(np.hypot(1, 0.3)),
+        )
+        for x in (-1.0, 1.0)
+    ]
+    along = vv.Constraint(of=[ball], function=lambda x: [x[0], x[2]], n=2)
+    return [ground, ball, *springs, along, vv.Force(on=ball, force=(0, -load, 0), times="t")]
+
+
+def test_work_excuses_nothing_of_statics_beside_what_it_is_not_brought_to() -> None:
+    def resting() -> list[Any]:
+        body = warm()
+        return [
+            body,
+            vv.Fixed(solid=body, nodes="x0"),
+            vv.PrescribedTemperature(body=body, nodes="x0", value=300.0),
+        ]
+
+    result = vv.quasi_static(vv.System([*drawn(0.28), *resting()]), until=1.0, step=0.1)
+    assert result.ledger.swing("work_force") > result.ledger.size("imbalance") > 1.0
+    assert energy_verdict(result).startswith(LACKS)
+    result = vv.quasi_static(vv.System([*snapping(2.0), *resting()]), until=1.0, step=0.1)
+    assert energy_verdict(result).startswith("WRONG, if load steps were short")
+
+
+def test_work_excuses_no_loss_beside_what_it_is_not_brought_to() -> None:
+    """Half of the work of a force goes with another that is not booked."""
+    ball = vv.PointMass(mass=1.0, position=(1, 0, 0))
+    pushed = [vv.Force(on=ball, force=(2.0, 2.0, 2.0)), vv.UserTerm(term=Leak(-1.0, 2), on=[ball])]
+    result = vv.simulate(vv.System([ball, *pushed, smooth()]), until=1.0, step=0.05)
+    assert result.ledger.imbalance() == pytest.approx(0.5)
+    assert energy_verdict(result).startswith("WRONG, as this scheme conserves energy")
+
+
 @pytest.mark.parametrize("share", [0.05, 0.28])
 @pytest.mark.parametrize("step", [0.1, 0.02])
 def test_trapezoids_excuse_no_load_that_is_not_booked(share: float, step: float) -> None:

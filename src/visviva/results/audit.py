@@ -215,17 +215,14 @@ def statics_verdict(result: Result, missed: float) -> str:
             f"WRONG, as the balance lacks {told(sums.lacking / scale)} beside what trapezoidal sums of work along "
             "these load steps miss: the work of some force is not booked, or its stress is not that of its energy"
         )
-    fills = sums is not None and sums.fills
-    if (sums.most / scale if sums is not None and fills else missed) > SNAPPED:
+    apart = () if sums is None else sums.apart
+    if (sums.most / scale if sums is not None and apart else missed) > SNAPPED:
         return (
             "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
             "its path with vv.arc_length, or take the snap in steps of dynamics"
         )
-    if fills:
-        return (
-            "not meant to be exact: load steps take no time, and heat that bodies give away in them is not booked, nor "
-            "are other contents"
-        )
+    if apart:
+        return f"not meant to be exact: load steps take no time, and {', and '.join(apart)}"
     return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
 
 
@@ -240,12 +237,13 @@ def excuses(result: Result, gained: float, lost: float) -> Iterator[str]:
     own, lacking = ledger.sizes.spread, ledger.sizes.unbooked
     brought, scale = sum(map(ledger.swing, ledger.brought)), ledger.energy_scale
     why = unbooked(result.system.components)
-    stored_or_gone = (lacking.stored + lacking.done + brought) / scale
+    stored_or_gone = (lacking.stored + lacking.done) / scale
     if why and gained <= lacking.stored / scale and (scheme.dissipates or lost <= stored_or_gone):
         yield exempted(why)
     if scheme.conserves_energy:
         return
-    of = " and ".join([*ledger.works, *ledger.heats])
+    did = [name for name in ledger.brought if ledger.swing(name) > CONSERVED * ledger.energy_scale]
+    of = " and ".join(dict.fromkeys(name.split("_", 1)[1] for name in did))
     if CONSERVED < gained <= SUMMED * brought / scale:
         yield f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
     by_spread = (own.done + SUMMED * own.stored) / scale

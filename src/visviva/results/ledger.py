@@ -371,7 +371,7 @@ class Bookkeeper:
         )
         self.ledger.add(row)
         if (missed := self.ledger.sizes.missed) is not None:
-            missed.add(imbalance, sum(map(self.ledger.swing, self.ledger.brought)))
+            missed.add(imbalance)
         return row
 
 

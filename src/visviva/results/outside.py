@@ -1,8 +1,8 @@
-"""Actions on a system from outside, for which its momenta are not meant to be conserved."""
+"""Who acts on whom: from outside of a system, for which its momenta are not meant to be conserved, and within it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,8 @@ from visviva.contact.obstacle import Obstacle, Plane
 from visviva.joint.joint import Joint
 
 if TYPE_CHECKING:
+    from visviva.model.field import Owner
+    from visviva.model.model import Model
     from visviva.system.system import System
 
 
@@ -41,11 +43,52 @@ def outside_axes(component: Component) -> Axes:
     return EVERYWHERE if any(map(is_ground, partners(component))) else component.outside_axes
 
 
-def partners(component: Component) -> Iterator[Any]:
-    """Components that a component refers to."""
+def partners(component: Any) -> Iterator[Any]:
+    """Components that a component refers to, and whatever else it is made of."""
     for f in fields(component) if is_dataclass(component) else ():
         value = getattr(component, f.name)
         yield from value if isinstance(value, list | tuple) else (value,)
+
+
+def hanging_together(model: Model, some: Iterable[Owner]) -> set[int]:
+    """Numbers of components with those that refer to them or are referred to, in turn; across the ground goes nothing.
+
+    With these are those that do not tell whom they act on, such as forces on functions of the user.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> a, b, c = (vv.PointMass(mass=1.0, position=(x, 0, 0)) for x in (1, 2, 3))
+    >>> spring, push = vv.Spring(a=a, b=b, stiffness=1.0), vv.Force(on=c, force=(1, 0, 0))
+    >>> hanging_together(vv.System([a, b, c, spring, push]).model, [b])
+    {0, 1, 3}
+    """
+    if not (found := set(map(model.index, some))):
+        return found
+    rest, neighbours = list(found), [set[int]() for _ in model.components]
+    numbers = {c: k for k, c in enumerate(model.components)}
+    owners = {model.index(f.component) for f in model.fields}
+    for k, component in enumerate(model.components):
+        others = {numbers[c] for c in referred(component) if c in numbers}
+        if not others and k not in owners:
+            found.add(k)
+        for other in others:
+            neighbours[k].add(other)
+            neighbours[other].add(k)
+    while rest:
+        new = neighbours[rest.pop()] - found
+        found |= new
+        rest += new
+    return found
+
+
+def referred(value: Any) -> Iterator[Any]:
+    """Components with unknowns that a component refers to, also by points and measures."""
+    for partner in partners(value):
+        if isinstance(partner, Component):
+            yield from () if partner.is_fixed else (partner,)
+        elif is_dataclass(partner):
+            yield from referred(partner)
 
 
 def is_ground(value: Any) -> bool:

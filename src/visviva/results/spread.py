@@ -12,8 +12,12 @@ from visviva.component.announcements import Unbooked
 from visviva.component.component import Component
 from visviva.model.field import Role
 from visviva.model.model import Model
+from visviva.results.outside import hanging_together
 
 Array = NDArray[np.float64]
+
+BROUGHT = ("work", "dissipation", "heat")
+"""Categories of accounts of what comes and goes."""
 
 
 class Spread:
@@ -40,7 +44,7 @@ class Spread:
             ]
 
         self._stored = own(storing, "potential")
-        self._done = own(losing, "work", "dissipation", "heat")
+        self._done = own(losing, *BROUGHT)
         self.span = np.empty((0, len(self._stored) + len(self._done)))
 
     @classmethod
@@ -50,9 +54,9 @@ class Spread:
 
     @classmethod
     def of(cls, model: Model, components: Iterable[Component]) -> Spread:
-        """What these components store and lose."""
-        own = {model.index(c) for c in components}
-        return cls(model, own, own)
+        """What these components store, and what is done to them and whatever they hang together with."""
+        own = list(components)
+        return cls(model, hanging_together(model, own), {model.index(c) for c in own})
 
     @classmethod
     def of_contents(cls, model: Model) -> Spread:

@@ -60,7 +60,7 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "unbooked": books.ledger.sizes.unbooked.span,
     }
     if (missed := books.ledger.sizes.missed) is not None:
-        ledger["missed"] = missed.span
+        ledger |= {"missed": missed.span, "brought": missed.brought.span}
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
         Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
@@ -127,6 +127,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         own.span = ledger.arrays.get(name, own.span)
     if (missed := books.ledger.sizes.missed) is not None:
         missed.resume(ledger.arrays.get("missed"))
+        missed.brought.span = ledger.arrays.get("brought", missed.brought.span)
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
