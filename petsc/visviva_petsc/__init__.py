@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,13 +17,18 @@ __all__ = ["choose", "join"]
 
 def join() -> World:
     """The processes that MPI has started together; what one of them fails by ends all."""
+    import mpi4py
+
+    if is_ours := "mpi4py.MPI" not in sys.modules:
+        mpi4py.rc.finalize = False
     from mpi4py import MPI
 
     from visviva_petsc.choice import refuse_unfit
-    from visviva_petsc.failing import end_all_together
+    from visviva_petsc.failing import end_all_together, finalize_here
     from visviva_petsc.world import World
 
     refuse_unfit()
+    finalize_here(is_ours)
     world = World(MPI.COMM_WORLD)
     if world.size > 1:
         end_all_together(world)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import atexit
+import ctypes
 import os
 import sys
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING
+
+from mpi4py import MPI
+from petsc4py import PETSc
 
 if TYPE_CHECKING:
     from visviva_petsc.world import World
@@ -20,6 +24,8 @@ def end_all_together(world: World) -> None:
     before = sys.excepthook
 
     def end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        if is_forked():
+            return before(kind, error, trace)
         together = world.meets()
         if not together:
             print(f"process {world.rank} of {world.size}:", file=sys.stderr)
@@ -29,7 +35,7 @@ def end_all_together(world: World) -> None:
             world.abort(1)
 
     def leave() -> None:
-        if (left := world.leave()) is not None:
+        if not is_forked() and (left := world.leave()) is not None:
             other, what = left
             print(
                 f"process {world.rank} of {world.size} has come to its end, and process {other} waits for it, to {what}"
@@ -39,29 +45,42 @@ def end_all_together(world: World) -> None:
             )
             world.abort(1)
 
-    def end_alone() -> None:
-        """What was forked is none of them: it leaves as it likes, but for MPI, which would wait for the others."""
-        told = []
-
-        def exit_with(status: Any = None) -> NoReturn:
-            told.append(status)
-            raise SystemExit(status)
-
-        def end_with_error(
-            kind: type[BaseException], error: BaseException, trace: TracebackType | None
-        ) -> None:
-            told.append(1)
-            before(kind, error, trace)
-
-        def end() -> None:
-            sys.stdout.flush()
-            status = told[-1] if told else 0
-            os._exit(status if isinstance(status, int) else status is not None)
-
-        sys.exit, sys.excepthook = exit_with, end_with_error
-        atexit.unregister(leave)
-        atexit.register(end)
-
+    own = os.getpid()
+    is_forked = lambda: os.getpid() != own  # noqa: E731  is none of them, and ends as any process does
     sys.excepthook = end
     atexit.register(leave)
-    os.register_at_fork(after_in_child=end_alone)
+
+
+def finalize_here(is_ours: bool) -> None:
+    """Have MPI and PETSc finalized at the end of this process, and not of what it forks, which would wait for others.
+
+    Where a script has imported MPI first it is finalized after all of Python, where nobody knows any more with which
+    status: what is forked there has to say it.
+    """
+    own = os.getpid()
+
+    def finalize() -> None:
+        if os.getpid() == own:
+            PETSc._finalize()
+            MPI.Finalize()
+
+    def leave_them() -> None:
+        called = ctypes.CDLL(PETSc.__file__)
+        ctypes.c_bool.in_dll(called, "PetscFinalizeCalled").value = True
+        if not is_ours:
+            atexit.register(refuse_end)
+
+    if is_ours:
+        atexit.register(finalize)
+    os.register_at_fork(after_in_child=leave_them)
+
+
+def refuse_end() -> None:
+    """End a forked process that MPI would not let go, as one that failed."""
+    print(
+        "a process that was forked comes to its end, where MPI would wait for the others: end it by os._exit(status), "
+        "or import mpi4py.MPI after the first system of visviva",
+        file=sys.stderr,
+        flush=True,
+    )
+    os._exit(1)

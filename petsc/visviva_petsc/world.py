@@ -39,6 +39,8 @@ class World:
 
     Attributes
     ----------
+    own : int
+        The system's number of this process, which what it forks has not.
     failing, leaving, asking
         Where those meet that fail, that come to their end, that begin what all do together.
     met : float
@@ -51,7 +53,7 @@ class World:
 
     def __init__(self, comm: Any) -> None:
         self.comm = comm
-        self.rank, self.size = comm.rank, comm.size
+        self.rank, self.size, self.own = comm.rank, comm.size, os.getpid()
         self.failing, self.leaving, self.asking = comm.Dup(), comm.Dup(), comm.Dup()
         self.met, self.noted, self.is_inside = time.monotonic(), "", False
         self.window = Window(comm)
@@ -76,8 +78,12 @@ class World:
         Raises
         ------
         InputError
-            If another one begins something else.
+            If another one begins something else, or this one was forked.
         """
+        if os.getpid() != self.own:
+            raise InputError(
+                f"a process that was forked is none of the {self.size} that share the systems made before: make its own"
+            )
         if self.is_inside:
             return
         self.window.begin(what)

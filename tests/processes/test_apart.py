@@ -11,36 +11,82 @@ from processes.launch import launched, missing
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=f"needs {missing()}")
 FORKS = """
+import atexit
 import os
 import sys
 
 import visviva as vv
 from visviva.base.world import world
 
-block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
-                 density=1.0, angular_velocity=(0, 0, 1), name="block")
-system = vv.System([block])
+
+def made():
+    block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                     density=1.0, angular_velocity=(0, 0, 1), name="block")
+    return vv.System([block])
+
+
+def child(kind):
+    if kind == "error":
+        raise KeyError("of the child")
+    if kind == "raised":
+        raise SystemExit(4)
+    if kind == "exit":
+        exit(5)
+    if kind == "caught":
+        try:
+            sys.exit(6)
+        except SystemExit:
+            sys.exit()
+    if kind == "file":
+        global left_open
+        atexit.register(print, "handled")
+        left_open = open(sys.argv[1], "w")
+        left_open.write("data")
+        sys.exit()
+    if kind == "own system":
+        system = made()
+        vv.simulate(system, until=0.1, step=0.05)
+        os._exit(not (abs(system.x - reached).max() < 1e-9 and world().size == 1))
+    if kind == "their system":
+        try:
+            system.step(0.05)
+        except vv.InputError as error:
+            os._exit("none of the 2 that share" in str(error))
+    sys.exit(kind)
+
+
+system = made()
 vv.simulate(system, until=0.1, step=0.05)
-for status in (0, 3, "error") if world().rank == 0 else ():
-    child = os.fork()
-    if child == 0:
-        if status == "error":
-            raise KeyError("of the child")
-        sys.exit(status)
-    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+reached = system.x.copy()
+kinds = (0, 3, "error", "raised", "exit", "caught", "file", "own system", "their system")
+for kind in kinds if world().rank == 0 else ():
+    forked = os.fork()
+    if forked == 0:
+        child(kind)
+    print(os.waitstatus_to_exitcode(os.waitpid(forked, 0)[1]), flush=True)
 vv.simulate(system, until=0.2, step=0.05)
 if world().rank == 0:
-    print("through")
+    print(open(sys.argv[1]).read(), "through")
 """
 
 
 def test_what_a_process_forks_ends_alone(tmp_path: Path) -> None:
-    """It was taken for a process that leaves the others, and ended them."""
+    """It ended all others; or with status 0 where it had failed, and files that it left open were empty."""
     (tmp_path / "forks.py").write_text(FORKS)
-    done = launched(2, str(tmp_path / "forks.py"))
+    done = launched(2, str(tmp_path / "forks.py"), str(tmp_path / "data"), limit=120)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.split() == ["0", "3", "1", "through"]
+    assert done.stdout.split() == ["0", "3", "1", "4", "5", "0", "handled", "0", "0", "1", "data", "through"]
     assert done.stderr.count("of the child") == 2  # a line of the script, and the error
+
+
+def test_what_is_forked_where_mpi_was_imported_before_has_to_say_its_status(tmp_path: Path) -> None:
+    (tmp_path / "forks.py").write_text(
+        "import mpi4py.MPI\n" + FORKS.replace("kinds = (0,", "kinds = (0,) or (")
+    )
+    done = launched(2, str(tmp_path / "forks.py"), str(tmp_path / "forks.py"), limit=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("1\n")
+    assert done.stderr.count("end it by os._exit(status)") == 1
 
 
 MESHES = """

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
@@ -124,6 +126,7 @@ def world() -> World:
     """
     if not _joined:
         _joined.append(_found())
+        os.register_at_fork(after_in_child=partial(_joined.__setitem__, 0, Alone()))
     return _joined[0]
 
 
