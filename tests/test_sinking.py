@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import visviva as vv
 from visviva.study.run import run
@@ -335,3 +336,29 @@ def test_what_fits_between_vertices_in_the_plane_is_refused(
         return
     with pytest.raises(vv.InputError, match=r"fits between the vertices of .* exchange first and second"):
         vv.simulate(system, until=1e-4, step=1e-4)
+
+
+@pytest.mark.parametrize("angles", [(0.0, np.pi / 4), (0.4, 0.4)])
+def test_what_lands_tilted_on_a_solid_is_seen_by_vertices_alone(angles: tuple[float, float]) -> None:
+    """Means over facets hardly see edges and corners: it sank by half of the plate's thickness, without a word."""
+    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(6, 6, 2))
+    tilted = Rotation.from_euler("xy", angles[::-1]).as_matrix()
+    low = 0.15 * np.abs(tilted[2]).sum()
+
+    def fallen(**options: Any) -> float:
+        plate = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
+        cube = vv.RigidBody(
+            shape=vv.Box(size=(0.3, 0.3, 0.3)),
+            density=500.0,
+            position=(0.5, 0.5, 0.205 + low),
+            velocity=(0, 0, -2),
+            rotation=tilted,
+        )
+        contact = vv.Contact(first=cube, second=plate, **options)
+        system = vv.System([plate, cube, vv.Fixed(solid=plate, nodes="z0"), contact])
+        vv.simulate(system, until=0.03, step=2e-3)
+        return float(vv.Position(of=cube)(system)[2]) - low
+
+    with pytest.raises(vv.StepFailure, match=r"mortar .* lies tilted: .*'node-to-segment', with .* as first"):
+        fallen()
+    assert fallen(formulation="node-to-segment") > 0.175

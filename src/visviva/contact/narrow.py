@@ -11,7 +11,7 @@ from visviva.base.errors import InputError
 from visviva.component.point import Attachable
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions, surface_of
 from visviva.contact.obstacle import Obstacle
-from visviva.contact.sinking import by_vertices, whole_surface
+from visviva.contact.sinking import whole_surface, with_solid
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
@@ -32,7 +32,7 @@ def refuse_narrow(contact: Contact, x: Array) -> None:
     first, second = contact.first, contact.second
     if contact.is_mortar or first is second or not isinstance(second, Attachable | Obstacle):
         return
-    if not mesh_bodies(first) or by_vertices(contact) is not None:
+    if not mesh_bodies(first) or with_solid(contact) is not None:
         return
     own, other = surface_of(first, contact.first_faces, contact.label), whole_surface(contact, second)
     if not len(own.facets) or not len(other.facets):

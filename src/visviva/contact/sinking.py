@@ -21,6 +21,8 @@ UNSEEN = 0.01
 
 FLEXIBLE = 40
 """How many times as deep solids are watched: vertices that slide over edges of theirs within a step sink that far."""
+AVERAGED = 10
+"""The same by mortar."""
 THINNEST = 0.01
 """Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
 
@@ -40,17 +42,21 @@ def watched(contact: Contact) -> Pairing | None:
     return (first, second) if isinstance(second, Obstacle) else None
 
 
-def by_vertices(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
-    """Both sides, one of them a solid, if vertices of the first alone touch: the second may pass between them.
+def with_solid(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
+    """Both sides, one of them a solid, if what touches may not see where they sink into each other.
 
-    Of a first solid only where all faces may touch: what is pressed beside faces that are named is meant to be free.
+    By vertices the second may pass between those of the first, by mortar edges and corners of what is rigid pass means
+    over facets. Of a first solid, and by mortar, only where all faces may touch: what is pressed beside faces that are
+    named is meant to be free.
     """
     first, second = contact.first, contact.second
-    if contact.is_mortar or first is second or not mesh_bodies(first, second):
+    bodies = mesh_bodies(first, second)
+    if first is second or not bodies or (contact.is_mortar and len(bodies) > 1):
         return None
     if isinstance(first, RigidBody) and first.shape is not None and len(first.shape.feelers[0]) == 1:
         return None  # balls are exact
-    if isinstance(first, Solid) and (contact.first_faces, contact.second_faces) != ("all", "all"):
+    named = (contact.first_faces, contact.second_faces) != ("all", "all")
+    if named and (contact.is_mortar or isinstance(first, Solid)):
         return None
     return (first, second) if _encloses(first) and _encloses(second) else None
 
@@ -63,7 +69,7 @@ def _encloses(body: object) -> TypeGuard[Solid | RigidBody]:
 
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
     """Let steps fail in which the bodies of a contact sink into each other unseen."""
-    pairing = watched(contact) or by_vertices(contact)
+    pairing = watched(contact) or with_solid(contact)
     if pairing is None:
         return
     first, second = pairing
@@ -75,7 +81,12 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = whole_surface(contact, first), whole_surface(contact, second)
     least = min(narrowest(side) for side in sides)
-    term.watch(skin(*sides, sees=False), unseen(least, first, second), least, _cure(contact, pairing))
+    deep = (
+        AVERAGED * UNSEEN * least
+        if contact.is_mortar and mesh_bodies(first, second)
+        else unseen(least, first, second)
+    )
+    term.watch(skin(*sides, sees=False), deep, least, _cure(contact, pairing))
 
 
 def unseen(least: float, *bodies: Attachable | Obstacle) -> float:
@@ -114,15 +125,16 @@ def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
 
 def _cure(contact: Contact, pairing: tuple[Second, Second]) -> str:
     first, second = (body.label for body in pairing)
+    if contact.is_mortar:
+        rigid = next(body.label for body in pairing if isinstance(body, RigidBody))
+        return (
+            f"mortar gaps are means over facets, which edges and corners of {rigid} pass by where it lies tilted: take "
+            f"formulation='node-to-segment', with {rigid} as first"
+        )
     if any(isinstance(body, Solid) for body in pairing):
         return (
             f"vertices of {first} alone touch {second}: exchange first and second, or take formulation='mortar' where "
             "faces lie on each other"
-        )
-    if contact.is_mortar:
-        return (
-            f"mortar gaps are means over facets, which edges and corners of {first} pass by where it lies tilted: take "
-            "formulation='node-to-segment'"
         )
     if (contact.first_faces, contact.second_faces) != ("all", "all"):
         return (
