@@ -336,6 +336,8 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
     s.iterations += iterations
     s.factorizations += factorizations
     s.swings = max(s.swings, books.swings.look(result.system))
+    for lag in books.ledger.sizes.lags:
+        lag.add(result.system)
     return books.book(result.system.time, result.system.core)
 
 

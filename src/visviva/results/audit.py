@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from visviva.body.mesh_body import MeshBody
 from visviva.flow.fluid import Fluid
+from visviva.results.lags import Lag
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
@@ -30,6 +31,8 @@ SNAPPED = 0.3
 """Statics whose work misses more of the energies than this was not followed step by step."""
 SUMMED = 0.1
 """Part of all work done by which its sums over steps may miss it: more is not resolved by the steps."""
+PASSED = 0.07
+"""Part of its momentum that fluid within a rigid body may lack: with marks as close as nodes it was less."""
 OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
 
@@ -132,11 +135,22 @@ def judgements(result: Result) -> list[Judgement]:
     found += momentum_judgements(result)
     if result.scheme.theta == MIDDLE and result.statistics.swings >= MANY:
         found.append(Judgement("changes", f"taken back by {result.statistics.swings} steps in a row", RINGS))
+    found += [passing(lag) for lag in ledger.sizes.lags if lag.part > PASSED]
     if stability.equilibria:
         found.append(Judgement("equilibria", "", str(stability)))
     if result.system.n_constraints:
         found += constraint_judgements(result)
     return found
+
+
+def passing(lag: Lag) -> Judgement:
+    """Of a rigid body whose fluid inside does not move along."""
+    wet = lag.wet
+    return Judgement(
+        f"fluid within {wet.body.label}",
+        f"lacks {lag.part:.2g} of its momentum",
+        f"WRONG, as it passes between the marks of {wet.label} and circulates there: {wet.closer}",
+    )
 
 
 def told(error: float) -> str:

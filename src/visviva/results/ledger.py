@@ -18,6 +18,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.lags import Lag, lags_of
 from visviva.results.missed import Missed
 from visviva.results.spread import Spread, unbooked
 from visviva.results.swings import Swings
@@ -63,6 +64,8 @@ class Sizes:
         that was read.
     missed : Missed, optional
         What sums over load steps missed so far.
+    lags : tuple of Lag
+        What fluid within rigid bodies lacks of their motion, of each.
     """
 
     mass: float = 0.0
@@ -73,6 +76,7 @@ class Sizes:
     spread: Spread = field(default_factory=Spread.empty)
     unbooked: Spread = field(default_factory=Spread.empty)
     missed: Missed | None = None
+    lags: tuple[Lag, ...] = ()
 
 
 @dataclass(repr=False)
@@ -329,6 +333,7 @@ class Bookkeeper:
                 Spread.of_contents(system.model),
                 Spread.of(system.model, unbooked(system.components)),
                 None if system.has_inertia else Missed(system),
+                lags_of(system),
             )
             columns = self.entropy.columns
             self.ledger = Ledger(kinds("potential"), works, kinds("heat"), sizes, columns)

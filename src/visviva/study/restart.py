@@ -15,6 +15,7 @@ import numpy as np
 from visviva.analysis import adaptive, arc_length
 from visviva.base.errors import InputError
 from visviva.output.checkpoint import Record, Records, save_state
+from visviva.results import lags
 from visviva.results.ledger import Bookkeeper
 from visviva.results.result import Result
 from visviva.system import stepper as marching
@@ -61,6 +62,8 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
     }
     if (missed := books.ledger.sizes.missed) is not None:
         ledger |= {"missed": missed.span, "brought": missed.brought.span}
+    if own := books.ledger.sizes.lags:
+        ledger["lags"] = np.array([lag.memory for lag in own])
     records = [
         Record("system", VERSION, values={"model": signature(system), "start": start_of(system)}),
         Record("state", VERSION, {name: getattr(system.core, name) for name in VECTORS}),
@@ -128,6 +131,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
     if (missed := books.ledger.sizes.missed) is not None:
         missed.resume(ledger.arrays.get("missed"))
         missed.brought.span = ledger.arrays.get("brought", missed.brought.span)
+    lags.resume(books.ledger.sizes.lags, ledger.arrays.get("lags"), system)
 
 
 def refuse_another(path: Path, record: Record, system: System, changed: bool) -> None:
