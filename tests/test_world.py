@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -145,15 +146,32 @@ def test_the_first_difference_between_processes_is_told(monkeypatch: pytest.Monk
     monkeypatch.setattr(seam, "_joined", [Beside()])
     agreement.refuse_different([ball], vv.Newton())
     agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
-    agreement.refuse_different_marches(until=1.0)
+    agreement.refuse_different_arguments("march", until=1.0)
     monkeypatch.setattr(seam, "_joined", [Beside({"march": {"until": "2", "step": "1"}})])
     with pytest.raises(vv.InputError, match=r"differ: march: until is 1 in process 0, 2 in process 1\. Each"):
-        agreement.refuse_different_marches(until=1.0, step=1.0)
+        agreement.refuse_different_arguments("march", until=1.0, step=1.0)
     monkeypatch.setattr(seam, "_joined", [Beside({})])
     with pytest.raises(
         vv.InputError, match=r"differ: PointMass 'ball': state of position .* nothing in process 1"
     ):
         agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
+
+
+def test_what_chooses_its_steps_is_closed_where_their_march_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    system, closed = vv.System([vv.PointMass(mass=1.0)]), []
+
+    def steps() -> Iterator[int]:
+        try:
+            yield from range(3)
+        finally:
+            closed.append(True)
+
+    monkeypatch.setattr(seam, "_joined", [Beside()])
+    own = steps()
+    marched = agreement.in_step(system, own)
+    assert next(marched) == 0
+    marched.close()  # type: ignore[attr-defined]
+    assert closed
 
 
 def test_comparison_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,7 +202,7 @@ class Second(seam.Alone):
 def test_what_the_first_process_gets_all_have(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     result = vv.simulate(vv.System([vv.PointMass(mass=1.0, velocity=(1, 0, 0))]), until=0.2, step=0.1)
     monkeypatch.setattr(seam, "_joined", [Second(("written", None))])
-    assert seam.by_first(lambda: "never done here") == "written"
+    assert seam.by_first("write", lambda: "never done here") == "written"
     result.ledger.to_csv(tmp_path / "ledger.csv")
     assert not list(tmp_path.iterdir())
     monkeypatch.setattr(seam, "_joined", [Second((None, vv.RunError("the disk is full")))])

@@ -200,8 +200,10 @@ def drawn(X):
     return np.random.default_rng().normal(size=X.shape)
 
 
-def record(**given):
-    return vv.run(vv.Study(vv.System([bar()]), 0.1, 0.05, title="bar"), sys.argv[1], progress=False, **given)
+def record(probe="place", **given):
+    bars = [bar()]
+    study = vv.Study(vv.System(bars), 0.1, 0.05, title="bar", probes={probe: bars[0].point((1, 0, 0)).position})
+    return vv.run(study, sys.argv[1], progress=False, **given)
 
 
 def run(until=0.1, moved=0.0, alike=(), **given):
@@ -212,10 +214,11 @@ def run(until=0.1, moved=0.0, alike=(), **given):
 
 
 tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
-         {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank}, {}]
+         {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank},
+         {"time_limit": 100.0 + rank}, {"probe": f"place {rank}"}, {}]
 for given in tried:
     try:
-        (record if "every" in given else run)(**given)
+        (record if given.keys() & {"every", "time_limit", "probe"} else run)(**given)
         told = "went on"
     except vv.InputError as error:
         told = str(error)
@@ -237,7 +240,9 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
         "Solid 'bar': rates of position (unknowns from 0 on) is array(",
         "march: until is 0.1 in process 0, 0.15",
         "Solid 'bar': state of position (unknowns from 0 on) is array(",
-        "march: every is 1 in process 0, 2 in process 1.",
+        "run: every is 1 in process 0, 2 in process 1.",
+        "run: time_limit is 100 in process 0, 101 in process 1.",
+        "run: probes is ['place 0'] in process 0, ['place 1'] in process 1.",
     )
     for line, begins in zip(told, beginnings, strict=False):
         assert line.startswith(f"processes differ: {begins}"), line

@@ -88,7 +88,7 @@ def march(
     if own is None and not (until > system.time and math.isfinite(until)):
         cure = "; start='beginning' runs it anew" if until > 0 else ""
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}{cure}")
-    agreement.refuse_different_marches(until=until, step=step, scheme=scheme, adaptive=adaptive)
+    agreement.refuse_different_arguments("march", until=until, step=step, scheme=scheme, adaptive=adaptive)
     know(system, step)
     prepare(system, scheme, project=project)
     if scheme.needs_acceleration and not system.stepper.has_acceleration:

@@ -90,4 +90,4 @@ class Shapes:
             raise InputError(f"picture: shape {k} moves nothing that is drawn; look at the shapes themselves")
         far = amplitude * size / apart
         moved = [a + far * (b - a) for a, b in zip(here, near, strict=True)]
-        by_first(lambda: picture(drawing.surfaces, png, points=moved, camera=camera))
+        by_first(f"draw {png}", lambda: picture(drawing.surfaces, png, points=moved, camera=camera))

@@ -135,26 +135,27 @@ def joined() -> World:
     return _joined[0] if _joined else Alone()
 
 
-def by_first(do: Callable[[], T]) -> T:
-    """What the first process gets by doing this alone, in all of them, or its error; all call it.
+def by_first(to: str, do: Callable[[], T]) -> T:
+    """What the first process gets by doing this alone, in all of them, or its error; all call it `to` do the same.
 
     So everything is written that all have evaluated: two that write one file break it.
 
     Examples
     --------
-    >>> by_first(lambda: "written")
+    >>> by_first("write box.vtu", lambda: "written")
     'written'
     """
     if world().size == 1:
         return do()
     found: T | None = None
     error: Exception | None = None
-    if world().rank == 0:
-        try:
-            found = do()
-        except Exception as failure:  # whatever it is, others wait for it
-            error = failure
-    found, error = world().first((found, error))
+    with world().doing(to):
+        if world().rank == 0:
+            try:
+                found = do()
+            except Exception as failure:  # whatever it is, others wait for it
+                error = failure
+        found, error = world().first((found, error))
     if error is not None:
         raise error
     return cast("T", found)

@@ -49,5 +49,5 @@ def write_table(path: str | Path, columns: Mapping[str, tuple[Array, str]]) -> P
             for row in zip(*(values for values, _ in columns.values()), strict=True):
                 table.append(row)
 
-    by_first(write)
+    by_first(f"write {path}", write)
     return Path(path)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError, nearest
 from visviva.base.html import table
+from visviva.base.world import world
 from visviva.measure.measures import Measure, refuse_elsewhere
 from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.output.numbers_out import dataframe, write_table
@@ -291,10 +292,9 @@ class Result:
         >>> Trajectory(path).fields["cauchy"]
         6
         """
-        if Path(path).suffix == ".vtkhdf":
-            write_trajectory(self, path, fields)
-        else:
-            write_directory(self, path, fields)
+        with world().doing(f"write {path}"):
+            write = write_trajectory if Path(path).suffix == ".vtkhdf" else write_directory
+            write(self, path, fields)
 
     def __repr__(self) -> str:
         end = f"{self.statistics.steps} steps to t = {self.ledger.last('time'):g}"

@@ -65,7 +65,7 @@ def made(file: str | Path | None, draw: Callable[[Path], object]) -> Picture:
             draw(path)
             return path.read_bytes()
 
-    return Picture(by_first(drawn), None if file is None else Path(file))
+    return Picture(by_first(f"draw {file or 'a picture'}", drawn), None if file is None else Path(file))
 
 
 def labels(result: Result, columns: Mapping[str, str] | None = None) -> Labels:
@@ -84,13 +84,20 @@ def plot_of(result: Result, file: str | Path | None, probes: Mapping[str, Any]) 
 
 
 @contextmanager
-def trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
+def trajectory(result: Result, file: object, options: Mapping[str, Any]) -> Iterator[Path]:
     """The trajectory of a run in a directory, or a temporary one of the kept states, with what is to be drawn."""
+    with world().doing(f"draw {file or 'a picture'}"), _trajectory(result, options) as path:
+        yield path
+
+
+@contextmanager
+def _trajectory(result: Result, options: Mapping[str, Any]) -> Iterator[Path]:
     diagram = options.get("diagram")
     asked = [options.get("field"), options.get("vectors"), f"diagram_{diagram}" if diagram else None]
     wanted = [str(name) for name in asked if name]
-    if result.directory is not None and by_first(partial(has_fields, result.directory.trajectory, wanted)):
-        yield result.directory.trajectory
+    written = None if result.directory is None else result.directory.trajectory
+    if written is not None and by_first("find fields", partial(has_fields, written, wanted)):
+        yield written
         return
     from visviva.measure.names import usual_fields
 
@@ -114,7 +121,7 @@ def picture_of(result: Result, file: str | Path | None, **options: Any) -> Pictu
     """A moment of the motion."""
     from visviva.output.picture import snapshot
 
-    with trajectory(result, options) as motion:
+    with trajectory(result, file, options) as motion:
         return made(file, lambda path: snapshot(motion, path, **options))
 
 
@@ -122,8 +129,8 @@ def movie_of(result: Result, file: str | Path, **options: Any) -> Path:
     """A movie of the motion."""
     from visviva.output.movie import movie
 
-    with trajectory(result, options) as motion:
-        by_first(partial(movie, motion, file, **options))
+    with trajectory(result, file, options) as motion:
+        by_first(f"draw {file}", partial(movie, motion, file, **options))
     return Path(file)
 
 
@@ -133,12 +140,13 @@ def view_of(result: Result, *, window: bool = False, **options: Any) -> Page | N
     from visviva.output.viewer import has_screen, show
 
     if window:
-        with trajectory(result, options) as motion:
-            by_first(partial(show, motion, **options))
+        with trajectory(result, "a window", options) as motion:
+            by_first("show a window", partial(show, motion, **options))
         return None
-    with tempfile.TemporaryDirectory() as folder:
-        write_directory(result, Path(folder) / "run")
-        page = Page(by_first(lambda: write_page(Path(folder) / "run", **options).read_text(encoding="utf-8")))
+    with world().doing("write a page"), tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run"
+        write_directory(result, path)
+        page = Page(by_first("write a page", lambda: write_page(path, **options).read_text(encoding="utf-8")))
     if world().rank == 0 and has_screen() and "ipykernel" not in sys.modules:
         page.open()
     return page
@@ -156,21 +164,21 @@ def write_trajectory(result: Result, path: str | Path, fields: Iterable[str] | N
     with TrajectoryWriter(path, drawing.surfaces, len(times), labels(result)) as writer:  # opens nothing yet
         for time, x, v, records in zip(times, result.states, result.rates, result.records, strict=False):
             frame = time, drawing.points(x), drawing.values(x, v, records)
-            by_first(partial(writer.append, *frame))
+            by_first("write a frame", partial(writer.append, *frame))
 
 
 def write_directory(result: Result, path: str | Path, fields: Sequence[str] | None = None) -> None:
     """Trajectory, tables, names and figures in a directory, like those of a run but for its restart state."""
     from visviva.results.drawing import Drawing
 
-    files = by_first(partial(RunDirectory.create, path))
+    files = by_first(f"write {path}", partial(RunDirectory.create, path))
     units = units_of_columns(result, result.recorded.probes, result.system.units)
     named = labels(result, units)
-    by_first(lambda: files.write_labels(named))
+    by_first(f"write {files.labels}", lambda: files.write_labels(named))
     result.ledger.to_csv(files.ledger)
     result.to_csv(files.probes)
     told = {"scheme": str(result.scheme), "end_time": result.ledger.last("time"), **figures(result)}
-    by_first(lambda: files.write_summary(told))
+    by_first(f"write {files.summary}", lambda: files.write_summary(told))
     if Drawing(result.system).surfaces:
         write_trajectory(result, files.trajectory, fields)
 

@@ -132,7 +132,7 @@ def run(
     settle_times(study)
     system = study.system
     refuse_other_records(
-        study, str(directory), every=every, save_every=save_every, limit=time_limit, resume=resume
+        study, str(directory), every=every, save_every=save_every, time_limit=time_limit, resume=resume
     )
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
     if resume:
@@ -204,7 +204,7 @@ def refuse_paces(save_every: float, frames_per_second: float) -> None:
 def refuse_other_records(study: Study, directory: str, **wishes: object) -> None:
     """Refuse runs that other processes are to record otherwise."""
     recorded = {"directory": directory, "probes": list(study.probes), "fields": study.fields}
-    agreement.refuse_different_marches(until=study.until, step=study.step, **recorded, **wishes)
+    agreement.refuse_different_arguments("run", until=study.until, step=study.step, **recorded, **wishes)
 
 
 def settle_times(study: Study) -> None:

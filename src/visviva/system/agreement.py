@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, closing, nullcontext
 from itertools import islice
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -103,10 +103,10 @@ def refuse_different_starts(fields: Sequence[Field]) -> None:
         refuse_different_states(fields, x, v)
 
 
-def refuse_different_marches(**arguments: Any) -> None:
-    """Refuse times and schemes of which another process has others."""
+def refuse_different_arguments(of: str, **arguments: Any) -> None:
+    """Refuse arguments of a function, times and schemes among them, of which another process has others."""
     if world().size > 1:
-        compare({"march": told("", arguments, {}, [])}, "march")
+        compare({of: told("", arguments, {}, [])}, of)
 
 
 def refuse_different_edits(system: System) -> None:
@@ -124,15 +124,16 @@ def is_edited(system: System) -> bool:
 
 def in_step(system: System, steps: Iterator[T]) -> Iterator[T]:
     """The same steps, each of which all processes take together."""
-    if world().size == 1:
-        yield from steps
-        return
-    while True:
-        with stepping(system):
-            found = list(islice(steps, 1))
-        if not found:
+    with closing(steps) if isinstance(steps, Generator) else nullcontext():
+        if world().size == 1:
+            yield from steps
             return
-        yield found[0]
+        while True:
+            with stepping(system):
+                found = list(islice(steps, 1))
+            if not found:
+                return
+            yield found[0]
 
 
 def stepping(system: System, h: Any = "", scheme: Any = "") -> AbstractContextManager[None]:
