@@ -17,6 +17,7 @@ from visviva.linear.choice import Automatic, Choice, Direct, LinearOptions, Prob
 from visviva_petsc.flow import BESIDE, FlowSolver
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
+from visviva_petsc.together import Together
 from visviva_petsc.trial import refuse_unknown
 
 Options = dict[str, str]
@@ -90,7 +91,7 @@ def outside(make: Callable[[], Any]) -> _core.LinearChoice:
     """A solver that is made so."""
     choice = _core.LinearChoice()
     choice.backend = _core.Backend.outside
-    choice.set_outside(make)
+    choice.set_outside(lambda: Together(make()))
     return choice
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -13,7 +13,7 @@ from visviva import _core
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
+T = TypeVar("T")
 
 PIECE = 2**30
 """Numbers of a message: MPI before its fourth version counts them in 32 bits."""
@@ -31,6 +31,20 @@ def gathered(comm: Any, values: Array) -> list[Array]:
         for k in range(0, len(part), PIECE):
             comm.Recv(part[k : k + PIECE], rank)
     return found
+
+
+def by_first(comm: Any, do: Callable[[], T]) -> T:
+    """What the first process gets by doing this alone, in all of them, or its error: factors may find no room."""
+    found: T | Exception | None = None
+    if comm.rank == 0:
+        try:
+            found = do()
+        except Exception as error:  # whatever it is, others wait for it
+            found = error
+    found = comm.bcast(found)
+    if isinstance(found, Exception):
+        raise found
+    return cast("T", found)
 
 
 class Gathered:
@@ -73,23 +87,27 @@ class Gathered:
 
     def factor(self, values: Array) -> bool:
         """Add up the values of all processes, and factor."""
-        parts, done = gathered(self.comm, np.array(values)), None
-        if parts:
+        parts = gathered(self.comm, np.array(values))
+
+        def factored() -> tuple[bool, str, str]:
             regular = self.linear.factor(np.bincount(self.place, np.concatenate(parts)))
-            done = regular, self.linear.name, self.linear.message
-        regular, name, self.message = self.comm.bcast(done)
+            return regular, self.linear.name, self.linear.message
+
+        regular, name, self.message = by_first(self.comm, factored)
         self.name = f"{name} in the first process"
         return bool(regular)
 
     def solve(self, r: Array, d: Array, tolerance: float) -> bool:
         """Solve for a residual (n,), of which every process has a part; all get d (n,)."""
-        whole = np.empty(self.n) if self.comm.rank == 0 else None
+        whole = np.empty(self.n if self.comm.rank == 0 else 0)
         self.comm.Reduce(np.array(r), whole)
-        found, done = np.zeros(len(self.known)), None
-        if whole is not None:
+        found = np.zeros(len(self.known))
+
+        def done() -> tuple[bool, str, int]:
             solved = self.linear.solve(-whole[self.known], found, tolerance)
-            done = solved, self.linear.message, self.linear.iterations
-        solved, self.message, self.iterations = self.comm.bcast(done)
+            return solved, self.linear.message, self.linear.iterations
+
+        solved, self.message, self.iterations = by_first(self.comm, done)
         if solved:
             self.comm.Bcast(found)
             d[self.known] = found

@@ -109,12 +109,8 @@ class Solver:
         """Take the values of the matrix; whatever is made of them is made before the first solution."""
         self.A.setValuesCOO(np.pad(values, (0, len(self.lacking))) if len(self.lacking) else values)
         self.ksp.setOperators(self.A)
-        try:
-            self.prepare()
-            self.ksp.setUp()
-        except PETSc.Error as error:  # of solvers that do not suit the matrix; all processes meet the same
-            self.message = told(error)
-            return False
+        self.prepare()
+        self.ksp.setUp()
         failed = self.ksp.getPC().getFailedReason()
         self.message = f"its preconditioner failed ({failed})" if failed else ""
         return not failed
@@ -164,9 +160,3 @@ def block_size(comm: Any, node: Ints) -> int:
     least, most = (int(sizes.min()), int(sizes.max())) if len(sizes) else (2**30, 0)
     least, most = comm.allreduce(least, MPI.MIN), comm.allreduce(most, MPI.MAX)
     return most if least == most else 1
-
-
-def told(error: PETSc.Error) -> str:
-    """What PETSc says of an error, without where."""
-    lines = str(error).splitlines()[1:]  # [process] and text
-    return "; ".join(line.partition("] ")[2].strip() for line in lines if "() at " not in line)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from visviva.base.errors import InputError
-from visviva_petsc.solver import told
+from visviva_petsc.together import told
 
 N = 6
 """Nodes along the side of a cube, enough for two levels of multigrid."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
-from visviva_petsc.window import Window
+from visviva_petsc.window import LENGTH, Window
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -171,17 +171,38 @@ class World:
         return np.asarray(self.first(parts_of(grid, self.size) if self.rank == 0 else None))
 
     def meets(self) -> bool:
-        """Whether all of them come here, to the same error, before patience ends.
+        """Whether all of them come here, to the same error, before patience ends."""
+        return self.arrive(self.failing.Ibarrier(), self.met)
 
-        Who has worked for a minute since all were together waits for another: others may have had more to do.
+    def arrive(self, arrived: Any, met: float) -> bool:
+        """Whether others come, who were together at this time, before patience ends.
+
+        Who has worked for a minute since then waits for another: others may have had more to do.
         """
-        arrived, start = self.failing.Ibarrier(), time.monotonic()
-        patience = max(PATIENCE, start - self.met)
+        start = time.monotonic()
+        patience = max(PATIENCE, start - met)
         while not arrived.Test():
             if time.monotonic() - start > patience:
                 return False
             time.sleep(0.01)
         return True
+
+    def failures(self, own: str) -> list[str]:
+        """What all of them have failed by, in their order; nothing of those that have not.
+
+        One that has failed ends all where others do not come here: they are left in what it has left.
+        """
+        met, comm = self.met, self.joint("tell whether they could solve")
+        words = np.frombuffer(own.encode()[:LENGTH].ljust(LENGTH, b"\0"), dtype=np.uint8)
+        theirs = np.empty((self.size, LENGTH), dtype=np.uint8)
+        arrived = comm.Iallgather(words, theirs)
+        if own and not self.arrive(arrived, met):
+            print(
+                f"process {self.rank} of {self.size} could not solve with the others: {own}", file=sys.stderr
+            )
+            self.abort(1)
+        arrived.Wait()
+        return [bytes(row).rstrip(b"\0").decode(errors="replace") for row in theirs]
 
     def abort(self, code: int) -> None:
         """End all of them, whatever they wait for."""

@@ -172,6 +172,19 @@ if kind == "observer":
 if kind == "within":
     for _ in range(4):
         again(one.step, 0.05)
+if kind == "solver":
+    from visviva_petsc.solver import Solver
+
+    def fail(*given):
+        raise RuntimeError("only here")
+
+    one.step(0.05)
+    solve, Solver.solve = Solver.solve, fail if rank else Solver.solve
+    try:
+        one.step(0.05)
+    except Exception:
+        Solver.solve = solve
+    one.step(0.05)
 if kind == "one composes" and rank == 0:
     system()
 if kind == "lengths":
@@ -182,7 +195,15 @@ if kind == "ends":
     if rank == 0:
         one.step(0.05)
     sys.exit()
-vv.simulate(one, until=one.time + 0.2, **go)
+result = vv.simulate(one, until=one.time + 0.2, **go)
+if kind == "one writes" and rank == 0:
+    result.ledger.to_csv("alone.csv")
+if kind == "other files":
+    result.to_csv(f"part{rank}.csv", end=one.components[0].point((1, 1, 1)).position)
+if kind == "other directories":
+    result.write(f"part{rank}")
+if kind == "one draws" and rank == 1:
+    result.picture("alone.png")
 one.v[-1] *= 1 + 0.1 * rank * (kind == "edit")
 if kind == "edit, then a step":
     one.v[-1] *= 1 + 0.1 * rank
@@ -198,10 +219,15 @@ if kind == "healthy":
 PARTED = {
     "observer": r"process 0 is to take a step of system 0 .*, process 1 to march system 1 \(after LookupError: seen h",
     "within": r"process 1 of 2 is to take a step .* \(after \w+: .*only here.*\), and process 0 waits for it",
+    "solver": r"process 1 of 2 could not solve with the others: RuntimeError: only here\n",
     "one composes": r"process 0 is to compose a system, process 1 to march system 0\. Each runs the whole script",
     "lengths": r"process 0 is to take a step of system 0 from t = 0\.0 with h = 0\.05 by .* with h = 0\.06\d* by ",
     "systems": r"process 0 is to take a step of system 1 from t = 0\.0 .*, process 1 to take a step of system 0 ",
     "ends": r"process 1 of 2 has come to its end, and process 0 waits for it, to take a step of system 0 from t = 0\.0",
+    "one writes": r"process 0 is to write alone\.csv, process 1 to march system 0\. Each runs the whole script",
+    "other files": r"process 0 is to write part0\.csv, process 1 to write part1\.csv\. Each",
+    "other directories": r"process 0 is to write part0, process 1 to write part1\. Each",
+    "one draws": r"process 0 is to march system 0, process 1 to draw alone\.png\. Each",
     "edit": r"Solid 'block': rates of position \(unknowns from 0 on\) is array",
     "edit, then a step": r"process 1 to take a step of system 0 from t = 0\.2.* whose state is none of a step: array",
     "observed edit": r"process 1 to take a step of system 0 from t = 0\.1.* whose state is none of a step: array",
@@ -223,6 +249,67 @@ def test_processes_that_do_the_same_go_on(tmp_path: Path) -> None:
     done = launched(2, str(tmp_path / "apart.py"), "healthy")
     assert done.returncode == 0, done.stderr
     assert done.stdout.split() == ["through"]
+
+
+ROOM = """
+import visviva as vv
+from visviva import _core
+from visviva.base.world import world
+from visviva_petsc import gathered
+from visviva_petsc.solver import Solver
+
+fails = []
+
+
+class Linear:
+    def __init__(self, *given, **more):
+        self.linear = _core.Linear(*given, **more)
+
+    def __getattr__(self, name):
+        return getattr(self.linear, name)
+
+    def solve(self, *given):
+        if fails:
+            raise fails.pop()
+        return self.linear.solve(*given)
+
+
+def solve(self, *given):
+    done = solve_all(self, *given)
+    if fails and world().rank:
+        raise fails.pop()
+    return done
+
+
+gathered._core = type("Core", (), {"Linear": Linear})
+solve_all, Solver.solve = Solver.solve, solve
+mesh = vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2))
+block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0)
+ball = vv.PointMass(mass=1.0, position=(3, 0, 0))
+for body in (ball, block):
+    system = vv.System([body, vv.Gravity()])
+    system.step(0.05)
+    fails = [MemoryError("no room for factors")]
+    try:
+        system.step(0.05)
+    except Exception as error:
+        told = world().together(f"{type(error).__name__}: {error}")
+    fails.clear()
+    system.step(0.05)
+    reached = world().together(system.x.tobytes())
+    if world().rank == 0:
+        print(system.linear_explanation.startswith("2 processes, PETSc"), *told, len(set(reached)), sep="; ")
+"""
+
+
+def test_what_one_process_cannot_solve_all_fail_by_and_go_on(tmp_path: Path) -> None:
+    """The others waited within the solver for ever."""
+    (tmp_path / "room.py").write_text(ROOM)
+    done = launched(2, str(tmp_path / "room.py"), limit=60)
+    assert done.returncode == 0, done.stderr
+    words = "MemoryError: no room for factors"
+    alone = f"RunError: process 1 of 2 could not solve with the others: {words}"
+    assert done.stdout.splitlines() == [f"True; {words}; {words}; 1", f"True; {alone}; {alone}; 1"]
 
 
 REASONS = """
