@@ -167,14 +167,30 @@ def test_boxes_slide_over_seams_beside_which_they_stick_out(
 
 
 def sunk_in(
-    kind: str, y: float, angle: float, width: float, exchanged: bool
+    kind: str,
+    y: float,
+    angle: float,
+    width: float,
+    exchanged: bool,
+    enforcements: Any = ("penalty", "penalty"),
+    low: float = 0.0,
 ) -> tuple[list[Any], vv.RigidBody]:
-    """A loaded box on its way over the seam of two floors, which carry it by a penalty."""
-    below, parts = held(kind, [-0.3, 0.3], (0.6, width, 0.1))
+    """A loaded box on its way over the seams of floors, the first of which carries it by a penalty."""
+    places = [0.6 * i - 0.3 for i in range(len(enforcements))]
+    ground, shape = vv.Ground(), shape_of(kind, (0.6, width, 0.1))
+    heights = [0.0] + [-low] * (len(places) - 1)
+    below = [
+        vv.RigidBody(shape=shape, density=1e3, position=(x, 0, z))
+        for x, z in zip(places, heights, strict=True)
+    ]
     above = thrown(kind, (-0.3, y, 0.1), angle, (0.7, 0))
     pairs = [(b, above) if exchanged else (above, b) for b in below]
-    contacts = [vv.Contact(first=a, second=b, enforcement="penalty", stiffness=1e7) for a, b in pairs]
-    return [*parts, above, *contacts, vv.Gravity()], above
+    contacts = [
+        vv.Contact(first=a, second=b, enforcement=how, stiffness=1e7)
+        for (a, b), how in zip(pairs, enforcements, strict=True)
+    ]
+    holds = [vv.Rigid(a=ground, b=b, at=(0, 0, 0)) for b in below]
+    return [ground, *below, *holds, above, *contacts, vv.Gravity()], above
 
 
 @pytest.mark.parametrize("kind", SHAPES[:2])
@@ -192,6 +208,45 @@ def test_boxes_sunk_in_by_a_penalty_slide_over_seams(
     assert vv.Velocity(of=above)(system)[:2] == pytest.approx((0.7, 0), abs=1e-3 * 0.7)
     assert vv.Position(of=above)(system)[2] == pytest.approx(0.1, abs=1e-4)
     result.assert_conserved("energy", tolerance=1e-9)
+
+
+def slides_on(parts: list[Any], above: vv.RigidBody, until: float, step: float, deep: float = 1e-4) -> None:
+    """No force along the floors: the velocity along them stays."""
+    system = vv.System(parts)
+    vv.simulate(system, until=until, step=step)
+    assert vv.Velocity(of=above)(system)[:2] == pytest.approx((0.7, 0), abs=1e-3 * 0.7)
+    assert vv.Position(of=above)(system)[2] == pytest.approx(0.1, abs=deep)
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize("angle", [0, 0.1])
+@pytest.mark.parametrize("each", [60, 240, 480, 1000])
+def test_boxes_sunk_in_slide_over_seams_with_every_step(
+    kind: str, exchanged: bool, angle: float, each: int
+) -> None:
+    """Corners of a second body fell in the step in which they left the first floor, and met the next one deep."""
+    slides_on(*sunk_in(kind, 0, angle, 1.0, exchanged), 0.35, 1 / each)
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("low", [2e-6, 3e-6, 4e-6, 5e-6, 7e-6])
+def test_boxes_sunk_in_slide_onto_floors_that_are_lower_by_less(kind: str, low: float) -> None:
+    """By 2 to 8e-6: what was above the next one where the step began came down in it, by its wall."""
+    slides_on(*sunk_in(kind, 0, 0, 1.0, False, low=low), 0.35, 1 / 240)
+
+
+@pytest.mark.parametrize("kind", SHAPES[:2])
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize("each", [60, 240])
+@pytest.mark.parametrize("enforcements", ["pm", "mp", "pmm", "pmp"])
+def test_boxes_sunk_in_slide_onto_floors_of_multipliers(
+    kind: str, exchanged: bool, each: int, enforcements: str
+) -> None:
+    """What lies below these where it comes in stays as deep: the next one stopped it."""
+    names = [{"p": "penalty", "m": "multipliers"}[letter] for letter in enforcements]
+    until = 0.35 if len(names) == 2 else 1.2
+    slides_on(*sunk_in(kind, 0, 0, 1.0, exchanged, names), until, 1 / each)
 
 
 @pytest.mark.parametrize("kind", SHAPES[:2])

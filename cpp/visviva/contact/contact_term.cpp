@@ -125,14 +125,15 @@ void ContactTerm::begin(const double* x0) {
     if (has_history()) elastic_.begin_step(X0_);
 }
 
-// Of penalties of rigid bodies, along the force on the first one: as deep as they are, or as the pressure of
-// the last step makes them, where steps are longer than bodies swing.
+// Of rigid bodies, along the force on the first one: as deep as they are, or as the pressure that a penalty had
+// in the last step makes them, where steps are longer than bodies swing.
 void ContactTerm::find_sags() {
     const Stopwatch watch(costs_.segments);
-    const std::vector<double>& pressed = pressed_.at_start();
     *sags_ = {};
+    const auto pressed = [&](int A) { return sags() ? pressed_.at_start()[A] / options_.stiffness[A] : 0; };
     std::vector<char> closed(gaps_->n());
-    for (int A = 0; A < gaps_->n(); ++A) closed[A] = area0_[A] > 0 && (gap0_[A] < 0 || pressed[A] > 0);
+    for (int A = 0; A < gaps_->n(); ++A)
+        closed[A] = area0_[A] > 0 && (gap0_[A] < 0 || pressed(A) > 0 || gaps_->offset(A) > 0);
     gaps_->gradients(X0_.data(), closed, at_start_);
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!closed[A]) continue;
@@ -141,7 +142,7 @@ void ContactTerm::find_sags() {
         for (std::size_t v = 0; v < stencil.size(); ++v)
             if (stencil[v] < gaps_->n_first())
                 push += Eigen::Map<const Eigen::Vector3d>(&at_start_[A].gradient[3 * v]);
-        const double deep = std::max(-gap0_[A], pressed[A] / options_.stiffness[A]) / area0_[A];
+        const double deep = std::max(-gap0_[A], pressed(A)) / area0_[A];
         sags_->add(push, gaps_->offset(A) + deep);
     }
 }

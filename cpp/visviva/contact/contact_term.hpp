@@ -101,7 +101,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
         beside_ = std::move(other);
     }
 
-    /// A penalty between one of the bodies and another one, beside which this one's may be flush.
+    /// A contact between one of the bodies and another one, beside which this one's may be flush.
     void lie_beside(const ContactTerm& other) { fellows_.push_back(other.sags_); }
 
     /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
@@ -188,7 +188,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     // Whether rigid bodies lie in each other as deep as a penalty lets them.
     bool sags() const { return options_.rigid && !has_multipliers(); }
     // And others may be flush with them.
-    bool lies_beside() const { return sags() && !fellows_.empty(); }
+    bool lies_beside() const { return options_.rigid && !fellows_.empty(); }
     bool keeps_slides() const { return rebounds() && has_tangential(); }
     void keep_slides();
     bool has_several() const;

@@ -240,8 +240,7 @@ bool NodeToSegment::sagged(const double* X, int A, int side) const {
         if (std::find_first_of(own, end, corners, corners + skin_.n_corners(c.facet)) == end) return false;
         const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
-            const double deep = -facet.height(s, x);
-            if (deep > 0 && deep <= sags_.below(facet.normal(s)) &&
+            if (sags_.reach(facet.height(s, x), facet.normal(s)) &&
                 facet.height(s, middle) < -apart * facet.size() && looks(X, A, facet.normal(s)))
                 return true;
         }

@@ -68,9 +68,9 @@ class NodeToSegment : public PointGaps {
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double* X, int side, int other) const override;
     int touched(const double* X, int vertex, int side) const override;
+    bool sagged(const double* X, int vertex, int side) const override;
 
   private:
-    bool sagged(const double* X, int vertex, int side) const;
     Reach locate(const double* X, int A, Found& found) const;
     Reach locate_held(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }

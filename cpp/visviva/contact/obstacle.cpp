@@ -93,9 +93,9 @@ class Obstacle : public PointGaps {
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double*, int side, int other) const override { return side == other; }
     int touched(const double* X, int vertex, int side) const override;
+    bool sagged(const double* X, int vertex, int side) const override;
 
   private:
-    bool sagged(const double* X, int vertex, int side) const;
     Vector3 out(const double* X, const Vector3& gradient) const;
     Vector3 local(const double* X, const Vector3& x) const;
     Vector3 local(const double* X, int vertex) const { return local(X, At(X + 3 * vertex)); }
@@ -199,7 +199,9 @@ int Obstacle::entrance(const double* from, const double* to, int A) const {
         }
         if (after > latest) latest = after, side = k;
     }
-    const int other = side < 0 || !keeps_ ? side : touched(to, A, side);
+    excesses(shape_, end, q);
+    if (side < 0 || !keeps_ || looks(to, A, out(to, q[side].d))) return side;
+    const int other = touched(to, A, side);
     return other < 0 ? side : other;
 }
 
@@ -217,7 +219,7 @@ bool Obstacle::sagged(const double* X, int A, int side) const {
     const int n = excesses(shape_, local(X, A), q);
     for (int k = 0; k < n; ++k) {
         const Vector3 normal = out(X, q[k].d);
-        if (k != side && q[k].v < 0 && -q[k].v <= sags_.below(normal) && looks(X, A, normal)) return true;
+        if (k != side && sags_.reach(q[k].v, normal) && looks(X, A, normal)) return true;
     }
     return false;
 }

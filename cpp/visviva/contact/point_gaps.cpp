@@ -82,7 +82,7 @@ int PointGaps::side_inside(const double* X, int A, int kept) const {
     const double* start = sides_.start().data();
     if (kept < 0) {
         const int came = entrance(start, X, A);
-        if (keeps_ || came < 0 || touches(start, A, came)) return came;
+        if (came < 0 || (keeps_ && !sagged(start, A, came)) || touches(start, A, came)) return came;
         return static_ ? touched(X, A, came) : Sides::none;
     }
     const int near = nearest_side(X, A);

@@ -55,6 +55,8 @@ class PointGaps : public Gaps {
     /// This side, if a corner of a rigid body may have touched it before its edges did, and has not sagged
     /// below another one beside it, else the nearest that it may.
     virtual int touched(const double* /*X*/, int /*vertex*/, int side) const { return side; }
+    /// Whether a vertex of a rigid body has sagged below, or swings through, a side beside this one.
+    virtual bool sagged(const double* /*X*/, int /*vertex*/, int /*side*/) const { return false; }
     bool touches(const double* X, int vertex, int side) const { return touched(X, vertex, side) == side; }
     /// Whether a corner of a rigid body may touch a side with this normal: it faces that.
     bool looks(const double* X, int vertex, const Eigen::Vector3d& normal) const;

@@ -25,7 +25,7 @@ constexpr double again = 0.35;   // of the reach: so far bodies may move until t
 struct Held {
     Pair pair;
     bool meets = false, opens = false;  // where the step begins: whether it touches there, or is outside
-    double offset = 0;                  // how deep it was found first, which stores no energy
+    double offset = 0;                  // how deep it was found first, which stores no energy of a penalty
     bool operator==(const Held&) const = default;
 };
 
@@ -48,7 +48,7 @@ class SharpGaps : public Gaps {
     bool settle(const double* X) override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void keep_sides() override { keeps_ = true; }
-    double offset(int gap) const override { return held_.of(gap).offset; }
+    double offset(int gap) const override { return keeps_ ? 0 : held_.of(gap).offset; }
     void mark_tangent() override { held_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { m.push_back(unheld_), held_.write(m); }
     void read_memory(const double*& m) override {
@@ -117,7 +117,7 @@ SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) con
     const double gap = pairs_.meeting(X, pair).distance, deep = std::max(-gap, 0.0);
     const bool is_new = before == held.end(), stays = !is_new && before->meets && !goes_by(*before);
     Held next{pair, pairs_.meets(X, pair, -at_end, beside, stays), gap >= 0, 0};
-    if (next.meets && !static_ && !keeps_ && !held_.start().empty())
+    if (next.meets && !static_ && !held_.start().empty())
         next.offset = is_new || !sees(X, *before) ? deep : std::min(before->offset, deep);
     return {next, gap};
 }
@@ -159,8 +159,15 @@ std::vector<Held> SharpGaps::hold(const double* X) {
 
 bool SharpGaps::settle(const double* X) {
     const std::vector<double> here{X, X + skin_.constant.size()};
+    const std::vector<Held> before = held_.all();
+    left_.assign(n_, 0);
     if (!held_.settle(here, [&](std::vector<Held>& held) { held = hold(X); })) return false;
     take_stencils();
+    const auto& now = held_.all();
+    for (int A = 0; A < n_; ++A)
+        left_[A] = before[A].meets && std::none_of(now.begin(), now.end(), [&](const Held& h) {
+            return h.meets && h.pair == before[A].pair;
+        });
     return true;
 }
 
@@ -179,19 +186,22 @@ bool SharpGaps::goes_by(const Held& held) const {
     return is_free && pairs_.has_sagged(held_.start().data(), held.pair);
 }
 
-// What multipliers hold in time they hold for the whole of a step, wherever that leads.
+// What multipliers hold in time they hold for the whole of a step, wherever that leads. So do penalties with
+// corners that lie in a face: what slides off it would fall for the rest of that.
 bool SharpGaps::sees(const double* X, const Held& held) const {
     if (held.pair.number < 0) return false;
-    if (keeps_ && !static_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
-    if (!static_ && ((!held.meets && !held.opens) || goes_by(held))) return false;
-    return pairs_.meets(X, held.pair, -at_end, beside, held.meets && !static_);
+    if (static_) return pairs_.meets(X, held.pair, -at_end, beside, false);
+    if ((!held.meets && !held.opens) || goes_by(held)) return false;
+    if (keeps_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
+    const bool lies = held.meets && !held.opens && !pairs_.has_signs(held.pair.number);
+    return pairs_.meets(X, held.pair, lies ? HUGE_VAL : -at_end, beside, held.meets);
 }
 
 void SharpGaps::values(const double* X, double* gap, double* area) {
     for (int A = 0; A < n_; ++A) {
         const bool near = sees(X, A);
         area[A] = near ? 1 : 0;
-        gap[A] = near ? meeting(X, A).distance + (static_ ? 0 : held_.of(A).offset) : options_.depth;
+        gap[A] = near ? meeting(X, A).distance + (static_ ? 0 : offset(A)) : options_.depth;
     }
 }
 

@@ -157,7 +157,7 @@ bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
         for (int side : {0, 1}) {
             const Vector3 e = At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side]);
             const double from_end = std::min(places[side], 1 - places[side]) * e.norm();
-            if (std::abs(from_end) < sags_.below(e.normalized())) return true;
+            if (sags_.reach(from_end, e.normalized())) return true;
         }
         return false;
     }

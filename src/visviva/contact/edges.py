@@ -153,17 +153,16 @@ class Edges:
 
 
 def lie_beside(contact: Contact, others: Sequence[Contact]) -> None:
-    """Let penalties of a contact and of others, which are before it, know how deep the rest lie in each other."""
-    own = _penalties(contact)
-    beside = [term for other in others for term in _penalties(other)]
+    """Let a contact and others, which are before it, know how deep the rest lie in each other."""
+    own = _terms(contact)
+    beside = [term for other in others for term in _terms(other)]
     for one, two in product(own, beside):
         one.lie_beside(two)
         two.lie_beside(one)
 
 
-def _penalties(contact: Contact) -> list[_core.ContactTerm]:
-    edges = [contact._edges.term] if contact._edges else []
-    return [contact.term, *edges] if contact.enforcement == "penalty" else []
+def _terms(contact: Contact) -> list[_core.ContactTerm]:
+    return [contact.term, contact._edges.term] if contact._edges else [contact.term]
 
 
 def edges_of(contact: Contact) -> Edges | None:
