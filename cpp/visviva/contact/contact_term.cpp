@@ -125,8 +125,8 @@ void ContactTerm::begin(const double* x0) {
     if (has_history()) elastic_.begin_step(X0_);
 }
 
-// Of rigid bodies, along the force on the first one: as deep as they are, or as the pressure that a penalty had
-// in the last step makes them, where steps are longer than bodies swing.
+// Of rigid bodies, along the force on the first one: as deep as they are, or as the pressure that a penalty
+// had in the last step makes them, where steps are longer than bodies swing.
 void ContactTerm::find_sags() {
     const Stopwatch watch(costs_.segments);
     *sags_ = {};

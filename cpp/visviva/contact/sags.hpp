@@ -23,7 +23,9 @@ class Sags {
         return points < 3 ? 0 : hanging * most;
     }
     /// Whether what is at this height above such a plane swings through it: it may come down in the step.
-    bool reach(double height, const Eigen::Vector3d& normal) const { return std::abs(height) < below(normal); }
+    bool reach(double height, const Eigen::Vector3d& normal) const {
+        return std::abs(height) < below(normal);
+    }
     bool operator==(const Sags&) const = default;
 
   private:

@@ -166,8 +166,8 @@ bool SharpGaps::settle(const double* X) {
     const auto& now = held_.all();
     for (int A = 0; A < n_; ++A)
         left_[A] = before[A].meets && std::none_of(now.begin(), now.end(), [&](const Held& h) {
-            return h.meets && h.pair == before[A].pair;
-        });
+                       return h.meets && h.pair == before[A].pair;
+                   });
     return true;
 }
 
