@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "visviva/base/vector_dispatch.hpp"
 #include "visviva/system/acceleration.hpp"
@@ -19,11 +21,13 @@ bool same_matrix(const Step& a, const Step& b) {
 // Across a hump of what bodies store, as of latent heat, increments by new tangents go to and fro for ever.
 class ToAndFro {
   public:
+    /// Unknowns of what is stored: what touches and lets go may turn back as it likes.
+    void judge(int begin, int end) { parts_.emplace_back(begin, end); }
     /// Shortens d, by a new tangent in iteration k: once one undoes the last such, they go half as far as
     /// that, and no further from then on. Returned is the share that is left.
     double shorten(int k, std::vector<double>& d, const std::vector<double>& weight) {
         constexpr int patience = 3;
-        if (k < patience) return 1;
+        if (k < patience || parts_.empty()) return 1;
         const double size = std::sqrt(product(d, d, weight)),
                      before = std::sqrt(product(last_, last_, weight));
         if (product(d, last_, weight) < -0.7 * size * before && size > 0.5 * before) most_ = 0.5 * before;
@@ -34,13 +38,15 @@ class ToAndFro {
     }
 
   private:
-    static double product(const std::vector<double>& a, const std::vector<double>& b,
-                          const std::vector<double>& weight) {
+    double product(const std::vector<double>& a, const std::vector<double>& b,
+                   const std::vector<double>& weight) const {
         double sum = 0;
-        for (std::size_t i = 0; i < std::min({weight.size(), a.size(), b.size()}); ++i)
-            sum += weight[i] * weight[i] * a[i] * b[i];
+        if (a.empty() || b.empty()) return sum;
+        for (const auto& [begin, end] : parts_)
+            for (int i = begin; i < end; ++i) sum += weight[i] * weight[i] * a[i] * b[i];
         return sum;
     }
+    std::vector<std::pair<int, int>> parts_;
     double most_ = std::numeric_limits<double>::infinity();
     std::vector<double> last_;
 };
@@ -173,6 +179,8 @@ Report System::solve(const Step& step, const Signals& signals, const NewtonOptio
     bool arrived = false;
     Acceleration acceleration;
     ToAndFro to_and_fro;
+    for (const Segment& s : segments_)
+        if (s.order == 1 && !s.flows) to_and_fro.judge(s.begin, s.end);
     const bool accelerates = !rigid_;  // by updates that are not sums
     update_vectors(step);
     // Velocities are increments by the step length: errors are judged against the increment of the whole
