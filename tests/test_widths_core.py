@@ -17,7 +17,7 @@ LIMITS = {
     "Reduction": 6,
 }
 """Of those that are narrower."""
-WIDE = {"Gaps": 24}
+WIDE = {"Gaps": 24, "PointGaps": 11}
 """Exactly those of a class that is wider: a class that shrinks leaves its lower number here."""
 
 

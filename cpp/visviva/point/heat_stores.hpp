@@ -267,7 +267,7 @@ struct HeatedSectionPairing {
 struct HeatedLayerMap : Layout<HeatedLayerMap> {
     static constexpr int n_groups = 4, n_components = 6, n_local = 33, n_strains = 23;
     static constexpr Group groups[] = {{3, 8, 2}, {1, 1, 0}, {1, 4, 1}, {1, 4, 0, true}};
-    static constexpr bool couples(int g, int h) { return g == 3 || (g < 2 ? h < 3 : h > 1); }
+    static constexpr bool couples(int g, int h) { return g > 1 || h < 3; }
     static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }
     static constexpr int tried(int g) { return g == 2 ? 1 : groups[g].columns; }
     static constexpr double origin(int) { return 0.0; }

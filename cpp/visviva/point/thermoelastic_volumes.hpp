@@ -123,7 +123,7 @@ template <class Base>
 struct VolumePressureMap : Layout<VolumePressureMap<Base>> {
     static constexpr bool couples(int g, int h) {
         constexpr bool table[5][5] = {
-            {1, 1, 1, 0, 1}, {1, 1, 1, 0, 1}, {1, 0, 1, 1, 0}, {1, 1, 1, 1, 0}, {1, 1, 0, 0, 0}};
+            {1, 1, 1, 0, 1}, {1, 1, 1, 0, 1}, {1, 1, 1, 1, 0}, {1, 1, 1, 1, 0}, {1, 1, 0, 0, 0}};
         return table[g][h];
     }
     static constexpr int tested(int g) { return g == 3 ? 1 : groups[g].columns; }

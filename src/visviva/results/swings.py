@@ -20,8 +20,6 @@ FADED, NOISE = 1e-3, 1e-9
 """Parts of the field's largest change so far, and of its largest value, below which changes are not looked at."""
 UNSOLVED = 1e-11
 """Part of what is a large change for a field, below which Newton's method and rounding leave changes."""
-MIDDLE = 0.5
-"""Where schemes evaluate that ring: in the middle of steps."""
 MANY = 6
 """Steps in a row that take back the one before them, by which a run is told to ring."""
 
@@ -29,9 +27,10 @@ MANY = 6
 class Swings:
     """Counts the steps in a row in which something of first order in time, or without mass, takes back its last change.
 
-    Rules that ask for balance in the middle of a step (Crank & Nicolson) do so after a sudden change, for
-    ``1 / k``-th of the steps if these are k times longer than the finest cell takes to follow. Changes are judged by
-    those of their own field of one component: what happens elsewhere, in other units too, hides none.
+    Rules that ask for balance in the middle of a step (Crank & Nicolson), and `GeneralizedAlpha` with rho near 1, do so
+    after a sudden change, for ``1 / k``-th of the steps if these are k times longer than the finest cell takes to
+    follow. Changes are judged by those of their own field of one component: what happens elsewhere, in other units too,
+    hides none.
     """
 
     def __init__(self) -> None:
