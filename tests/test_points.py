@@ -123,8 +123,10 @@ def test_order(kind: type[points.Block], scheme: vv.Scheme) -> None:
         field = block.concentration if kind is points.Separating else block.motion
         return at_nodes(system, field)
 
-    fine = state(256)
-    coarse, finer = (np.abs(state(n) - fine).max() for n in (16, 32))
+    # A first step of contents that goes to its end takes the order up to 2 only with many steps.
+    many = 8 if kind is points.Separating and isinstance(scheme, vv.BDF2 | vv.GeneralizedAlpha) else 1
+    fine = state(many * 256)
+    coarse, finer = (np.abs(state(many * n) - fine).max() for n in (16, 32))
     least = 0.85 if kind is points.Viscoelastic and isinstance(scheme, vv.BDF2 | vv.GeneralizedAlpha) else 1.8
     assert np.log2(coarse / finer) >= least
 
