@@ -594,3 +594,25 @@ def test_no_step_ends_where_slopes_leave_nothing(slope: str, thin: bool) -> None
         vv.simulate(system, until=2.0, step=0.1)
     assert system.time == pytest.approx(1.0, abs=0.01)
     assert body.temperatures(system.x) == pytest.approx(310.0, abs=0.1)
+
+
+@pytest.mark.parametrize("value", ["300+40*t**2", "320-20*cos(pi*t)", [(0, 300), (0.3, 300), (1, 340)]])
+def test_held_temperatures_of_statics_may_start_flat(value: Any) -> None:
+    """Their increments come all at once, whatever the work along them; the search for less of it had no end.
+
+    They end where a ramp does.
+    """
+    ends = []
+    for given in ("300+40*t", value):
+        square = vv.ThermoelasticSolid(
+            mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+            material=vv.NeoHooke(young=1e3, poisson=0.0),
+            heat=vv.Heat(conductivity=50.0, capacity=1.0, expansion=1e-4, reference=300.0),
+        )
+        held = vv.PrescribedTemperature(body=square, nodes="all", value=given)
+        system = vv.System([square, vv.Fixed(solid=square, nodes="x0"), held])
+        assert vv.quasi_static(system, until=1.0, step=0.25).statistics.rejected == 0
+        assert square.temperatures(system.x) == pytest.approx(340.0, rel=1e-12)
+        ends.append(square.positions(system.x))
+    assert np.abs(ends[1] - ends[0]).max() < 1e-12
+    assert ends[0][:, 1].max() > 1.002

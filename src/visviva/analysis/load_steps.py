@@ -17,6 +17,7 @@ from visviva.analysis.march import advance, begin, checked_times, keep
 from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError, NotFinite, RunError
 from visviva.base.world import world
+from visviva.model.field import Role
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
 from visviva.system.memory import Trial
@@ -258,15 +259,16 @@ class Equilibrium:
         """Shorten the increment `d` while the work of the residual along it has grown or hardly fallen.
 
         Returns the residual there, or nothing where the search ended without an answer. With contact, whose set of
-        closed gaps changes along the way, and with friction, which has no potential, the work then tells nothing, and
-        the whole increment is taken where that is possible.
+        closed gaps changes along the way, and with friction and what is transported, which have no potential, the work
+        then tells nothing, and the whole increment is taken where that is possible.
         """
-        touches, possible = any(c.touches or c.rubs for c in self.system.components), False
+        stores = any(f.role is Role.CONTENT for f in self.system.model.fields)
+        tells_little, possible = stores or any(c.touches or c.rubs for c in self.system.components), False
         s, bracket = 1.0, Bracket(g0)
         for _ in range(5):
             r = self.residual(time)
             g = float(d @ r)
-            possible = possible or (touches and s == 1.0 and np.isfinite(g) and not self._refused(time))
+            possible = possible or (tells_little and s == 1.0 and np.isfinite(g) and not self._refused(time))
             if np.isfinite(g) and abs(g) <= 0.8 * abs(g0) and not self._refused(time):
                 return r
             other = bracket.next(s, g)
