@@ -39,8 +39,15 @@ def build_core(system: System) -> _core.System:
     terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
     terms += [term.build(model, component) for term, component in model.terms]
     held = supplied(model)
-    of_heat = np.array([a.category == "heat" for a in model.accounts], dtype=np.int32)
-    core.set_accounts(len(of_heat), len(system.components), of_heat)  # after the terms have opened theirs
+    stored = {system.components.index(f.component) for f in model.fields if f.role is Role.CONTENT}
+    by_contents = np.array(  # after the terms have opened theirs
+        [
+            a.category == "heat" or (a.category == "dissipation" and a.component in stored)
+            for a in model.accounts
+        ],
+        dtype=np.int32,
+    )
+    core.set_accounts(len(by_contents), len(system.components), by_contents)
     if world().size > 1:
         core.set_processes(world().of_core())
     shared = {id(s.term) for c in system.components for s in model.announced(c, SharedOut)}
