@@ -275,6 +275,16 @@ def test_what_is_round_does_not_fall_through_coarse_solids(shape: Any) -> None:
         vv.simulate(system, until=0.2, step=5e-3)
 
 
+def start(parts: list[Any], cure: str | None) -> None:
+    """A step is taken, or refused with the cure of what fits between vertices."""
+    system = vv.System(parts)
+    if cure is None:
+        vv.simulate(system, until=1e-4, step=1e-4)
+        return
+    with pytest.raises(vv.InputError, match=rf"fits between the vertices of .* {cure}"):
+        vv.simulate(system, until=1e-4, step=1e-4)
+
+
 def coarse_plate(shell: bool = False) -> Any:
     """Nodes half a length apart."""
     if shell:
@@ -309,12 +319,7 @@ def test_what_fits_between_vertices_is_refused(kind: Any, shape: Any, position: 
         other = vv.Obstacle(shape=shape, at=position)
     contact = vv.Contact(first=plate, second=other, formulation="node-to-segment", **named)
     parts = [plate, other, vv.Fixed(solid=plate, nodes="all" if kind is vv.Shell else "z0"), contact]
-    system = vv.System(parts)
-    if not fits:
-        vv.simulate(system, until=1e-4, step=1e-4)
-        return
-    with pytest.raises(vv.InputError, match=r"fits between the vertices of .* finer cells"):
-        vv.simulate(system, until=1e-4, step=1e-4)
+    start(parts, "finer cells" if fits else None)
 
 
 @pytest.mark.parametrize("faces", ["all", "y1"])
@@ -330,12 +335,7 @@ def test_what_fits_between_vertices_in_the_plane_is_refused(
     plate, block = (vv.Solid(mesh=mesh, material=rubber, density=1e3) for mesh in (lower, upper))
     contact = vv.Contact(first=plate, first_faces=faces, second=block, formulation="node-to-segment")
     parts = [plate, block, vv.Fixed(solid=plate, nodes="y0"), contact]
-    system = vv.System(parts)
-    if not fits:
-        vv.simulate(system, until=1e-4, step=1e-4)
-        return
-    with pytest.raises(vv.InputError, match=r"fits between the vertices of .* exchange first and second"):
-        vv.simulate(system, until=1e-4, step=1e-4)
+    start(parts, "exchange first and second" if fits else None)
 
 
 @pytest.mark.parametrize("angles", [(0.0, np.pi / 4), (0.4, 0.4)])

@@ -39,8 +39,9 @@ def refuse_narrow(contact: Contact, x: Array) -> None:
         return
     places, corners = positions(other, x), positions(own, x)
     middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    facet = _below(own, corners, middle)
-    if facet is None or _shades(own, corners, facet, places):
+    ends, normals = _normals(own, corners)
+    facet = _below(own, ends, normals, middle)
+    if facet is None or _shades(own, corners, normals, facet, places):
         return
     near = ", ".join(f"{c:.4g}" for c in middle)
     exchange = "" if isinstance(second, Obstacle) else "exchange first and second, or "
@@ -61,9 +62,8 @@ def _normals(own: Surface, corners: Array) -> tuple[Array, Array]:
     return ends, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def _below(own: Surface, corners: Array, place: Array) -> int | None:
+def _below(own: Surface, ends: Array, normals: Array, place: Array) -> int | None:
     """The nearest facet that faces a place which is over it."""
-    ends, normals = _normals(own, corners)
     if own.dimension == 3:
         edges = np.roll(ends, -1, axis=1) - ends
         within = np.einsum("mki,mi->mk", np.cross(edges, place - ends), normals) >= 0
@@ -77,11 +77,10 @@ def _below(own: Surface, corners: Array, place: Array) -> int | None:
     return nearest if np.isfinite(height[nearest]) else None
 
 
-def _shades(own: Surface, corners: Array, facet: int, places: Array) -> bool:
+def _shades(own: Surface, corners: Array, normals: Array, facet: int, places: Array) -> bool:
     """Whether vertices of a side are in the shadow of what is at these places, along the normal of a facet there."""
     from scipy.spatial import ConvexHull
 
-    _, normals = _normals(own, corners)
     normal = normals[facet]
     alike = own.facets[normals @ normal > ALIKE]
     across = np.linalg.svd(normal[None])[2][1:].T

@@ -39,7 +39,7 @@ def build_core(system: System) -> _core.System:
     terms = [*inertia_terms(model), *strain_terms(model), *model.batches]
     terms += [term.build(model, component) for term, component in model.terms]
     held = supplied(model)
-    stored = {system.components.index(f.component) for f in model.fields if f.role is Role.CONTENT}
+    stored = {model.index(f.component) for f in model.fields if f.role is Role.CONTENT}
     by_contents = np.array(  # after the terms have opened theirs
         [
             a.category == "heat" or (a.category == "dissipation" and a.component in stored)
