@@ -382,3 +382,16 @@ def test_refusals() -> None:
     twice = [vv.HeatTie(first=first, first_faces="x1", second=second, second_faces="x0") for _ in range(2)]
     with pytest.raises(vv.InputError, match="both tie node"):
         vv.System([first, second, *twice])
+
+
+def test_surfaces_that_are_held_all_over_leave_nothing_to_tie() -> None:
+    """Which heat passes between two surfaces whose temperatures are both given, no equation tells."""
+    first, second = blocks("quad4", "quad4")
+    held = [
+        vv.PrescribedTemperature(body=first, nodes="x1", value=20.0),
+        vv.PrescribedTemperature(body=second, nodes="x0", value=0.0),
+    ]
+    sides: dict[str, Any] = {"first": first, "first_faces": "x1", "second": second, "second_faces": "x0"}
+    with pytest.raises(vv.InputError, match="nothing is left to tie: leave it out, give it a conductance"):
+        vv.System([first, second, vv.HeatTie(**sides), *held])
+    vv.System([first, second, vv.HeatTie(**sides, conductance=1.0), *held])

@@ -56,7 +56,7 @@ class HeatTie(Component):
     Raises
     ------
     InputError
-        If the surfaces do not touch.
+        If the surfaces do not touch, or both have prescribed temperatures all over and no conductance.
 
     Notes
     -----
@@ -142,6 +142,11 @@ class HeatTie(Component):
             if tie is not self and tie.conductance is None:
                 self._refuse_shared(tie, tie._chosen(model))
         n = sum(len(bond.chosen) for bond in self._bonds)
+        if not n:
+            raise InputError(
+                f"{self.label}: temperatures are prescribed at all nodes of both surfaces, so that nothing is left to "
+                "tie: leave it out, give it a conductance, or prescribe those of one surface"
+            )
         self._heat = model.multipliers(self, "heat", n, instantaneous=False)
 
     def _numbered(self) -> list[tuple[Bond, NDArray[np.int32]]]:
