@@ -338,6 +338,43 @@ def test_what_fits_between_vertices_in_the_plane_is_refused(
     start(parts, "exchange first and second" if fits else None)
 
 
+def bar(count: int, **options: Any) -> vv.Beam:
+    """A bar 1 m long with this many cells."""
+    line = vv.LineMesh(points=[(-0.5, 0, 0), (0.5, 0, 0)], count=count)
+    return vv.Beam(mesh=line, section=vv.TubeSection(radius=0.02, young=1e7, density=1e3), **options)
+
+
+@pytest.mark.parametrize("kind", [vv.Obstacle, vv.RigidBody])
+@pytest.mark.parametrize(
+    ("shape", "place", "count", "fits"),
+    [
+        (vv.Box(size=(0.1, 1, 0.1)), (0.1, 0, -0.1), 4, True),
+        (vv.Box(size=(0.1, 20, 0.1)), (0.1, 5, -0.1), 4, True),
+        (vv.Box(size=(0.1, 1, 0.1)), (0.1, 0, -0.1), 5, False),
+        (vv.Box(size=(0.19, 1, 0.1)), (0.125, 0, -0.1), 4, True),
+        (vv.Box(size=(0.22, 1, 0.1)), (0.125, 0, -0.1), 4, False),
+        (vv.Sphere(radius=0.05), (0.1, 0, 0.1), 4, True),
+        (vv.Sphere(radius=0.05), (0.52, 0, -0.1), 4, False),
+    ],
+)
+def test_what_fits_between_nodes_of_a_bar_is_refused(
+    kind: Any, shape: Any, place: Any, count: int, fits: bool
+) -> None:
+    """These are balls a quarter or a fifth of a length apart: the bar fell through what is between them."""
+    line, options = bar(count), {"density": 500.0} if kind is vv.RigidBody else {}
+    other = kind(shape=shape, **{"position" if options else "at": place}, **options)
+    start([line, other, vv.Contact(first=line, second=other)], "give .* more cells" if fits else None)
+
+
+def test_bars_by_a_penalty_touch_between_their_nodes() -> None:
+    """As the refusal says: the stretch over a bar stays above it, less what the penalty gives way."""
+    line, peg = bar(4, velocity=(0, 0, -1)), vv.Obstacle(shape=vv.Box(size=(0.1, 1, 0.1)), at=(0.1, 0, -0.1))
+    system = vv.System([line, peg, vv.Contact(first=line, second=peg, enforcement="penalty")])
+    vv.simulate(system, until=0.15, step=1e-3)
+    over = [vv.Position(of=line.point((X, 0, 0)))(system)[2] for X in (0.06, 0.1, 0.14)]
+    assert min(over) > -0.05 + 0.9 * 0.02
+
+
 @pytest.mark.parametrize("angles", [(0.0, np.pi / 4), (0.4, 0.4)])
 def test_what_lands_tilted_on_a_solid_is_seen_by_vertices_alone(angles: tuple[float, float]) -> None:
     """Means over facets hardly see edges and corners: it sank by half of the plate's thickness, without a word."""

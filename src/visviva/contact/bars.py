@@ -26,9 +26,9 @@ def is_bar(component: Any) -> bool:
     return isinstance(component, MeshBody) and component.has_directions and component.dimension == 3
 
 
-def bars_of(body: Any) -> tuple[Surface, float]:
+def bars_of(body: Any, fine: bool = True) -> tuple[Surface, float]:
     """The middle of a round bar as segments, which are facets of two corners, and its radius."""
-    own = body.skin("all", fine=True)
+    own = body.skin("all", fine)
     facets = np.pad(own.round.segments, ((0, 0), (0, 2)), constant_values=-1)
     return replace(of_skin(body, own), facets=facets), own.round.radius
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.component.point import Attachable
+from visviva.contact.bars import bars_of, is_bar
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions, surface_of
 from visviva.contact.obstacle import Obstacle
 from visviva.contact.sinking import whole_surface, with_solid
@@ -27,10 +28,14 @@ BORDER = 1e-9
 def refuse_narrow(contact: Contact, x: Array) -> None:
     """Refuse bodies that stand, at the unknowns `x`, over facets of a coarse first one and over none of its vertices.
 
-    They would fall through it. Where steps are watched for that it is left to these.
+    They would fall through it, as through a bar whose nodes alone touch. Where steps are watched for that it is left
+    to these.
     """
     first, second = contact.first, contact.second
     if contact.is_mortar or first is second or not isinstance(second, Attachable | Obstacle):
+        return
+    if is_bar(first):
+        _refuse_beside(contact, second, x)
         return
     if not mesh_bodies(first) or with_solid(contact) is not None:
         return
@@ -43,12 +48,39 @@ def refuse_narrow(contact: Contact, x: Array) -> None:
     facet = _below(own, ends, normals, middle)
     if facet is None or _shades(own, corners, normals, facet, places):
         return
-    near = ", ".join(f"{c:.4g}" for c in middle)
     exchange = "" if isinstance(second, Obstacle) else "exchange first and second, or "
+    _refuse(contact, second, middle, f"{exchange}give {first.label} finer cells")
+
+
+def _refuse(contact: Contact, second: Attachable | Obstacle, middle: Array, cure: str) -> None:
+    near, first = ", ".join(f"{c:.4g}" for c in middle), contact.first.label
     raise InputError(
-        f"{contact.label}: {second.label} near ({near}) fits between the vertices of {first.label}, which alone touch "
-        f"it, and would fall through; {exchange}give {first.label} finer cells"
+        f"{contact.label}: {second.label} near ({near}) fits between the vertices of {first}, which alone touch it, "
+        f"and would fall through; {cure}"
     )
+
+
+def _refuse_beside(contact: Contact, second: Attachable | Obstacle, x: Array) -> None:
+    """Refuse bodies beside a stretch of a bar, along the shortest way to which none of its nodes is in their shadow."""
+    if contact.enforcement == "penalty":  # has points between the nodes
+        return
+    (own, radius), other = bars_of(contact.first, fine=False), whole_surface(contact, second)
+    if not len(other.facets):
+        return
+    corners, places = positions(own, x), positions(other, x)
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    starts, along = corners[own.facets[:, 0]], np.diff(corners[own.facets[:, :2]], axis=1)[:, 0]
+    part = np.einsum("si,si->s", middle - starts, along) / np.einsum("si,si->s", along, along)
+    away = middle - starts - np.clip(part, 0, 1)[:, None] * along
+    nearest = int(np.argmin(np.linalg.norm(away, axis=1)))
+    if not 0 <= part[nearest] <= 1 or not away[nearest].any():
+        return
+    across = np.linalg.svd(away[nearest, None])[2][1:].T
+    if not _are_in(corners @ across, places @ across, radius):
+        more = f"give {contact.first.label} more cells"
+        _refuse(
+            contact, second, middle, f"{more}, or enforcement='penalty', which has points between its nodes"
+        )
 
 
 def _normals(own: Surface, corners: Array) -> tuple[Array, Array]:
@@ -79,18 +111,23 @@ def _below(own: Surface, ends: Array, normals: Array, place: Array) -> int | Non
 
 def _shades(own: Surface, corners: Array, normals: Array, facet: int, places: Array) -> bool:
     """Whether vertices of a side are in the shadow of what is at these places, along the normal of a facet there."""
-    from scipy.spatial import ConvexHull
-
     normal = normals[facet]
     alike = own.facets[normals @ normal > ALIKE]
     across = np.linalg.svd(normal[None])[2][1:].T
     if own.dimension == 2:
         across = np.array([[normal[1]], [-normal[0]], [0.0]])
     seen, shadow = corners[np.unique(alike[alike >= 0])] @ across, places @ across
+    return _are_in(seen, shadow)
+
+
+def _are_in(seen: Array, shadow: Array, radius: float = 0.0) -> bool:
+    """Whether any of these places is in the hull of a shadow, or as near to it as this radius."""
+    from scipy.spatial import ConvexHull
+
     low, high = shadow.min(axis=0), shadow.max(axis=0)
-    border = BORDER * float((high - low).max())
+    border = radius + BORDER * float((high - low).max())
     inside = ((seen >= low - border) & (seen <= high + border)).all(axis=1)
-    if own.dimension == 2 or not inside.any():
+    if shadow.shape[1] == 1 or not inside.any():
         return bool(inside.any())
     planes = ConvexHull(shadow, qhull_options="QJ").equations
     return bool(((seen @ planes[:, :-1].T + planes[:, -1]).max(axis=1) <= border).any())
