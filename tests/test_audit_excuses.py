@@ -83,6 +83,44 @@ def test_what_rests_excuses_nothing(beside: Callable[[], Any]) -> None:
     assert energy_verdict(leaking(beside)).startswith("WRONG, as this scheme conserves energy")
 
 
+@pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.GeneralizedAlpha(rho=1.0)], ids=str)
+@pytest.mark.parametrize("lost", [False, True])
+def test_schemes_that_neither_conserve_nor_damp_excuse_what_sways(scheme: vv.Scheme, lost: bool) -> None:
+    """By a thousandth, of a ball that swings on a spring; none of a force that speeds it up, or takes half of all."""
+    verdicts = []
+    for leak in (0.0, -1.0 if lost else 0.5):
+        ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+        spring = vv.Spring(a=ground.point(), b=ball.point(), stiffness=40.0, free_length=0.9)
+        parts = [ground, spring] if leak == 0 else [vv.Force(on=ball, force=(2.0, 2.0, 2.0))] if lost else []
+        system = vv.System([*parts, ball, vv.UserTerm(term=Leak(leak, 2), on=[ball])])
+        verdicts.append(energy_verdict(vv.simulate(system, until=3.0, step=0.02, scheme=scheme)))
+    assert not verdicts[0].startswith("WRONG")
+    assert verdicts[1].startswith("WRONG, as this scheme neither conserves energy nor damps")
+
+
+@pytest.mark.parametrize("mean", [300.0, 320.0])
+@pytest.mark.parametrize(
+    "scheme",
+    [vv.EnergyMomentum(), vv.Midpoint(), vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha(rho=0.5)],
+    ids=str,
+)
+def test_heat_that_evens_out_within_a_shell_is_no_gain(scheme: vv.Scheme, mean: float) -> None:
+    """Where it lies about the temperature that energies count from, too: there is hardly any then."""
+    shell = vv.ThermalShell(
+        mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)),
+        section=vv.SolidSection(material=vv.NeoHooke(young=1e4, poisson=0.0), thickness=0.1, density=1.0),
+        heat=vv.Heat(conductivity=10.0, capacity=2.0, reference=300.0),
+        temperature=mean,
+        difference=40.0,
+    )
+    system = vv.System([shell, vv.Fixed(solid=shell, nodes="all")])
+    result = vv.simulate(system, until=0.5, step=0.02, scheme=scheme)
+    assert shell.face_temperatures(system.x) == pytest.approx(mean, abs=0.04)
+    assert not energy_verdict(result).startswith("WRONG")
+    evened_out = 0.1 * mean * (20 / mean) ** 2 / 3  # by entropies, of linear temperatures, to second order
+    assert result.ledger.energy_scale == pytest.approx(evened_out, rel=0.1)
+
+
 def test_history_excuses_what_it_may_lose() -> None:
     verdict = energy_verdict(leaking(pulled_history, force=0.0))
     assert "has irreversibility = 'history'" in verdict

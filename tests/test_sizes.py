@@ -16,7 +16,7 @@ WIDE = {
     "flow.fluid.Fluid": 38,
     "body.director_body.DirectorBody": 26,
     "contact.contact.Contact": 35,
-    "results.ledger.Ledger": 30,
+    "results.ledger.Ledger": 31,
     "results.result.Result": 26,
     "study.recorder.Recorder": 36,
     "output.directory.RunDirectory": 28,

@@ -37,9 +37,15 @@ PASSED = 0.07
 """Part of its momentum that fluid within a rigid body may lack: with marks as close as nodes it was less."""
 OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
+SWAYING = 0.1
+"""Part of the energies by which a balance may sway with schemes that neither conserve nor damp: more is astray."""
 
 
 UNPROMISED = "not meant to be conserved by this scheme, see how it falls with the step"
+ASTRAY = (
+    "WRONG, as this scheme neither conserves energy nor damps, and that went far astray: take shorter steps, or "
+    "EnergyMomentum(), by which it is seen whether all work is booked"
+)
 UNTOLD = (
     "NOT CHECKED, as beside servos, and functions that fail between the states, it is not known what trapezoidal sums "
     "of work along the load steps miss: a force whose work is not booked could go unseen"
@@ -216,7 +222,7 @@ def energy_verdict(result: Result) -> str:
             "discrete gradient of its energy"
         )
     if not scheme.dissipates:
-        return UNPROMISED
+        return UNPROMISED if max(gained, lost) <= SWAYING else ASTRAY
     if gained > OVERSHOOT * lost + CONSERVED:
         return (
             "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"
@@ -268,7 +274,7 @@ def excuses(result: Result, gained: float, lost: float) -> Iterator[str]:
     of = " and ".join(dict.fromkeys(name.split("_", 1)[1] for name in did))
     if CONSERVED < gained <= SUMMED * brought / scale:
         yield f"not meant to be exact: work of {of} is a sum over steps, see how it falls with the step"
-    by_spread = (own.done + SUMMED * own.stored) / scale
+    by_spread = (own.done + SUMMED * max(own.stored, ledger.heat_inside)) / scale
     if scheme.dissipates and gained <= by_spread and (gained > CONSERVED or ledger.entropy or ledger.heats):
         yield UNPROMISED  # it damps motion, the rest either way
 

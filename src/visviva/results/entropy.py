@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.model.entropies import PRODUCED, SUPPLIED
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -27,11 +28,14 @@ class EntropyColumns:
         Kinds of what arises in the system and of what comes from outside.
     size : float
         Large changes of the entropy, that of all unknowns together; 0 where there is none.
+    temperature : float
+        At which it is at the start, in the mean of those that have any.
     """
 
     produced: tuple[str, ...] = ()
     supplied: tuple[str, ...] = ()
     size: float = 0.0
+    temperature: float = 0.0
 
     @classmethod
     def of(cls, model: Model, scale: Array) -> EntropyColumns:
@@ -40,7 +44,13 @@ class EntropyColumns:
             tuple(sorted({a.kind for a in model.accounts if a.category == category}))
             for category in (PRODUCED, SUPPLIED)
         )
-        return cls(produced, supplied, model.entropies.of(scale))
+        having: dict[Any, None] = dict.fromkeys(
+            f.component
+            for f in model.fields
+            if f.role is Role.CONTENT and model.entropies.touches(np.asarray(f.unknowns))
+        )
+        mean = float(np.mean([c.start_temperatures.mean() for c in having])) if having else 0.0
+        return cls(produced, supplied, model.entropies.of(scale), mean)
 
     def __bool__(self) -> bool:
         return self.size > 0

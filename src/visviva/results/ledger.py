@@ -245,7 +245,7 @@ class Ledger:
                     self.greatest("kinetic"),
                     *swings,
                     *works,
-                    self._heat_inside,
+                    self.heat_inside,
                     STILL * (self.sizes.pull + self.sizes.power * self.duration),
                     0.5 * self.sizes.mass * jitter**2,
                     np.finfo(float).tiny,
@@ -254,11 +254,11 @@ class Ledger:
         )
 
     @property
-    def _heat_inside(self) -> float:
-        """Heat that passes from part to part: of what is stored, the share by which the entropy changes."""
-        if "entropy" not in self.names or "potential_stored" not in self.names or not self.size("entropy"):
+    def heat_inside(self) -> float:
+        """Heat that passes from part to part: by which the entropy changes, at the temperature that it has."""
+        if not self.entropy:
             return 0.0
-        return self.size("potential_stored") * min(1.0, self.swing("entropy") / self.size("entropy"))
+        return self.entropy.temperature * max(self.swing("entropy"), STILL * self.entropy.size)
 
     @property
     def duration(self) -> float:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
+from visviva.model.field import Role
 
 if TYPE_CHECKING:
     from visviva.model.state import State
@@ -216,7 +217,7 @@ class GeneralizedAlpha(Scheme):
     Parameters
     ----------
     rho : float
-        Spectral radius at infinity, 0 (damps most) to 1 (damps nothing).
+        Spectral radius at infinity, 0 (damps most) to 1 (damps nothing, for what moves freely alone).
     """
 
     rho: float = 0.9
@@ -230,7 +231,14 @@ class GeneralizedAlpha(Scheme):
     projects_velocity: ClassVar[bool] = True
 
     def refuse(self, state: State) -> None:
-        if self.rho == 1.0 and state.constrains_motion:
+        if self.rho < 1:
+            return
+        if stored := [f.component.label for f in state.model.fields if f.role is Role.CONTENT]:
+            raise InputError(
+                f"GeneralizedAlpha(rho=1) damps nothing, and what {stored[0]} holds would go to and fro for ever "
+                "after a sudden change, and gain energy: take rho up to 0.8, BDF2(), or EnergyMomentum()"
+            )
+        if state.constrains_motion:
             raise InputError(
                 "GeneralizedAlpha(rho=1) damps nothing, and in constrained motion (rigid bodies, joints) rounding "
                 "across constraints would alternate for ever and grow: take rho below 1, or EnergyMomentum()"
