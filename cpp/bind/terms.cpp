@@ -51,6 +51,7 @@ static nb::object alive(const nb::weakref& f) {
 
 LawCallback law_callback(nb::object function) {
     return [f = nb::weakref(function)](const LawArguments& a) {
+        if (a.n == 0) return;  // one of several processes may have no elements; functions need not take none
         nb::gil_scoped_acquire gil;
         alive(f)(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
     };

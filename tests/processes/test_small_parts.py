@@ -56,3 +56,58 @@ def test_runs_of_small_parts_go_on(tmp_path: Path) -> None:
     size = max(float(np.abs(column).max()) for column in one.values())
     assert max(float(np.abs(one[name] - other[name]).max()) for name in one) < 1e-11 * size
     assert np.abs(one["time"][1:]).min() > 0
+
+
+EMPTY = """
+import sys
+
+import numpy as np
+import visviva as vv
+from visviva.base.world import world
+
+
+def energy(C):
+    assert C[0].max() > 0  # of no points at all there is no largest
+    return 20 * ((C[0] + C[1] + C[2] - 3) ** 2 + 2 * (C[3] ** 2 + C[4] ** 2 + C[5] ** 2))
+
+
+def box(x):
+    return vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1), origin=(x, 0, 0))
+
+
+def flat(x):
+    return vv.RectangleMesh(size=(1, 1), counts=(1, 1), origin=(x, 0))
+
+
+def pull(t, X):
+    return np.outer(X[:, 0] / X[:, 0].max(), [0, t, 0])
+
+
+given = {"angular_velocity": (0, 0, 0.5), "material": vv.UserMaterial(function=energy), "density": 1.0}
+bodies = [
+    vv.Solid(mesh=box(0), **given),
+    vv.Solid(mesh=box(2), formulation="F-bar", **given),
+    vv.Solid(mesh=box(4), formulation="enhanced", **given),
+    vv.Solid(mesh=flat(6), plane="stress", thickness=0.1, **given),
+    vv.Solid(mesh=flat(8), formulation="F-bar", **given),
+]
+system = vv.System([*bodies, *(vv.Traction(solid=b, faces="x1", traction=pull) for b in bodies)])
+vv.simulate(system, until=0.2, step=0.05)
+found = [system.x]
+for body in bodies:
+    found += [body.smoothed(["von_mises"], system.x)["von_mises"], body.mean("energy", system.x)]
+    found += [np.ravel(body.fields(system.x).F), np.ravel(body.nodal_forces(system.x))]
+if world().rank == 0:
+    np.save(sys.argv[1], np.concatenate(found))
+"""
+
+
+def test_functions_of_the_user_are_not_asked_about_no_points(tmp_path: Path) -> None:
+    """Processes without cells asked an energy of F-bar, with strains that are not its own, and all ended."""
+    (tmp_path / "empty.py").write_text(EMPTY)
+    for n in (0, 2, 3):
+        done = launched(n, str(tmp_path / "empty.py"), str(tmp_path / f"{n}.npy"))
+        assert done.returncode == 0, done.stderr
+    one, *others = (np.load(tmp_path / f"{n}.npy") for n in (0, 2, 3))
+    for other in others:
+        assert np.abs(other - one).max() < 1e-11 * np.abs(one).max()

@@ -178,7 +178,7 @@ def evaluated(
     x = np.ascontiguousarray(x, dtype=float)
     for part in parts:
         n = len(part.nodes)
-        step = n if material.energy is not None else CHUNK  # a user's function is called once
+        step = max(n, 1) if material.energy is not None else CHUNK  # a user's function is called once
         for start in range(0, n, step):
             some = slice(start, min(start + step, n))
             fields = of_points(part.term.fields(x, some.start, some.stop), material.small)
