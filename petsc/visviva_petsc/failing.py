@@ -5,7 +5,9 @@ from __future__ import annotations
 import atexit
 import ctypes
 import os
+import signal
 import sys
+from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -54,8 +56,7 @@ def end_all_together(world: World) -> None:
 def finalize_here(is_ours: bool) -> None:
     """Have MPI and PETSc finalized at the end of this process, and not of what it forks, which would wait for others.
 
-    Where a script has imported MPI first it is finalized after all of Python, where nobody knows any more with which
-    status: what is forked there has to say it.
+    Where a script has imported MPI first, MPI is finalized after all of Python, in what is forked as well.
     """
     own = os.getpid()
 
@@ -67,16 +68,35 @@ def finalize_here(is_ours: bool) -> None:
     def leave_them() -> None:
         called = ctypes.CDLL(PETSc.__file__)
         ctypes.c_bool.in_dll(called, "PetscFinalizeCalled").value = True
+        give_signals_back()
         if not is_ours:
-            atexit.register(refuse_end)
+            atexit.register(leave_mpi if keeps_sessions() else refuse_end)
 
     if is_ours:
         atexit.register(finalize)
     os.register_at_fork(after_in_child=leave_them)
 
 
+def give_signals_back() -> None:
+    """Let signals do what Python knows they should: by PETSc's handlers whoever ends a forked process ends all."""
+    for number in signal.valid_signals():
+        if (handler := signal.getsignal(number)) is not None:
+            with suppress(OSError, ValueError):  # some cannot be handled
+                signal.signal(number, handler)
+
+
+def keeps_sessions() -> bool:
+    """Whether MPI is known to finalize nothing as long as a session is open."""
+    return MPI.get_vendor()[0] == "MPICH" and MPI.Get_version() >= (4, 0) and hasattr(MPI, "Session")
+
+
+def leave_mpi() -> None:
+    """Leave MPI as it is at the end of a forked process, which has its own status then."""
+    MPI.Session.Init()
+
+
 def refuse_end() -> None:
-    """End a forked process that MPI would not let go, as one that failed."""
+    """End a forked process that MPI would not let go, as one that failed: its status is not known any more here."""
     print(
         "a process that was forked comes to its end, where MPI would wait for the others: end it by os._exit(status), "
         "or import mpi4py.MPI after the first system of visviva",
