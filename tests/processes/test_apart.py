@@ -393,15 +393,20 @@ def other(t, x, v):
     return (1.0 + 0.0 * rank, 0, 0)
 
 
+def given(t, x, v, scale=1.0, number=rank):
+    return (scale, 0, 0)
+
+
 for _ in range(2):
     ball = vv.PointMass(mass=1.0, name="ball")
     vv.simulate(vv.System([ball, vv.Force(on=ball, force=force, name="push")]), until=0.1, step=0.05)
 counted = world().together(calls[0])
-try:
-    vv.System([ball, vv.Force(on=ball, force=other, name="push")])
-except vv.InputError as error:
-    if rank == 0:
-        print(counted[0] > counted[1], error)
+for differs in (other, given):
+    try:
+        vv.System([ball, vv.Force(on=ball, force=differs, name="push")])
+    except vv.InputError as error:
+        if rank == 0:
+            print(counted[0] > counted[1], error)
 """
 
 
@@ -410,5 +415,8 @@ def test_functions_may_count_and_what_differs_is_named(tmp_path: Path) -> None:
     (tmp_path / "counts.py").write_text(COUNTS)
     done = launched(2, str(tmp_path / "counts.py"))
     assert done.returncode == 0, done.stderr
-    named = "Force 'push': force: rank in function other is 0 in process 0, 1 in process 1. Each"
-    assert done.stdout.startswith(f"True processes differ: {named}"), done.stdout
+    for name, told in zip(
+        ("rank in function other", "number in function given"), done.stdout.splitlines(), strict=True
+    ):
+        named = f"Force 'push': force: {name} is 0 in process 0, 1 in process 1. Each"
+        assert told.startswith(f"True processes differ: {named}"), told

@@ -54,7 +54,7 @@ class Teller:
     untold : list of str
         Reasons why parts of the value are not told.
     variables : dict of str to str
-        What functions within the value use of closures and globals.
+        What functions within the value use of closures, globals and defaults.
     """
 
     def __init__(self, names: Mapping[int, str]) -> None:
@@ -185,6 +185,8 @@ class Teller:
         parts += [self._variable(value, *content) for content in contents(value)]
         used = [(k, value.__globals__[k]) for k in looked_up(value.__code__) if k in value.__globals__]
         globals_told = ", ".join(f"{k}={self._variable(value, k, v)}" for k, v in used)
+        for k, default in defaults(value):
+            self.variables[f"{k} in function {value.__name__}"] = shortened(self.text(default))
         return f"function {value.__name__} with digest {digest_of(*parts, globals_told)}"
 
     def _variable(self, function: FunctionType, name: str, value: Any) -> str:
@@ -229,6 +231,13 @@ def contents(function: FunctionType) -> Iterator[tuple[str, Any]]:
             yield name, cell.cell_contents
         except ValueError:  # not yet assigned
             yield name, None
+
+
+def defaults(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    """Names and values of arguments that need not be given."""
+    code, given = function.__code__, function.__defaults__ or ()
+    yield from zip(code.co_varnames[code.co_argcount - len(given) :], given, strict=False)
+    yield from (function.__kwdefaults__ or {}).items()
 
 
 def looked_up(code: CodeType) -> list[str]:
