@@ -243,21 +243,92 @@ def test_trapezoids_excuse_no_load_that_is_not_booked(share: float, step: float)
     assert energy_verdict(result).startswith(LACKS)
 
 
-@pytest.mark.parametrize("heated", [False, True])
-def test_what_sums_miss_is_unknown_beside_servos_and_said_to_be(heated: bool) -> None:
-    """Whether a load is booked is then not known: it could go unseen, by 28 % and beside heat altogether."""
-    parts = drawn(0.28)
+def served(ground: vv.Ground) -> list[Any]:
+    """A servo that turns an arm against a spring of 3."""
     arm = vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(1, 8, 0))
-    axle = vv.Revolute(a=parts[0], b=arm, at=(0, 8, 0), axis=(0, 0, 1), angle=True)
-    parts += [arm, axle, vv.JointSpring(joint=axle, stiffness=3.0)]
-    parts.append(vv.Servo(output=[axle], follows=["0.3*t**2"], actuators=[axle]))
-    if heated:
-        wall = vv.ThermalBody(
-            mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)), conductivity=1.0, temperature=300.0
+    axle = vv.Revolute(a=ground, b=arm, at=(0, 8, 0), axis=(0, 0, 1), angle=True)
+    servo = vv.Servo(output=[axle], follows=["0.3*t**2"], actuators=[axle])
+    return [arm, axle, vv.JointSpring(joint=axle, stiffness=3.0), servo]
+
+
+@pytest.mark.parametrize("heated", [False, True])
+def test_what_hangs_together_with_servos_alone_is_not_checked(heated: bool) -> None:
+    """A load beside was not booked by 28 %, and beside heat altogether, without a word."""
+    verdicts = []
+    for share in (0.0, 0.05, 0.28):
+        parts = drawn(share)
+        parts += served(parts[0])
+        if heated:
+            wall = vv.ThermalBody(
+                mesh=vv.RectangleMesh(size=(1, 1), counts=(1, 1)), conductivity=1.0, temperature=300.0
+            )
+            parts += [wall, vv.PrescribedTemperature(body=wall, nodes="x0", value=300.0)]
+        result = vv.quasi_static(vv.System(parts), until=1.0, step=0.25)
+        verdicts.append(energy_verdict(result))
+    assert verdicts[0].startswith("NOT CHECKED of what hangs together with servos")
+    assert all(said.startswith(LACKS) for said in verdicts[1:])
+
+
+def test_snaps_beside_servos_are_found() -> None:
+    parts = snapping(2.0)
+    result = vv.quasi_static(vv.System([*parts, *served(parts[0])]), until=1.0, step=0.1)
+    assert energy_verdict(result).startswith("WRONG, if load steps were short")
+
+
+@pytest.mark.parametrize("share", [0.02, 0.05, 0.25])
+def test_work_on_what_is_heated_excuses_nothing_beside(share: float) -> None:
+    """A traction does work of 0.3 on it; 0.1 to 1.3 of 5 on the ball are not booked."""
+    body = warm()
+    held = [
+        vv.Fixed(solid=body, nodes="x0"),
+        vv.PrescribedTemperature(body=body, nodes="x0", value="300+20*t"),
+    ]
+    pull = vv.Traction(solid=body, faces="x1", traction=(8, 0, 0), times="t")
+    verdicts = []
+    for leak in (0.0, share):
+        result = vv.quasi_static(
+            vv.System([*drawn(leak), *deepcopy([body, *held, pull])]), until=1.0, step=0.1
         )
-        parts += [wall, vv.PrescribedTemperature(body=wall, nodes="x0", value=300.0)]
-    result = vv.quasi_static(vv.System(parts), until=1.0, step=0.25)
-    assert energy_verdict(result).startswith("NOT CHECKED, as beside servos")
+        verdicts.append(energy_verdict(result))
+    assert "heat that bodies give away" in verdicts[0]
+    assert verdicts[1].startswith(LACKS)
+
+
+def swaying(leak: float) -> list[Any]:
+    """A square whose side is moved to and fro, by which sums miss a three-hundredth, and a force that is not booked."""
+    solid = vv.Solid(mesh=SQUARE, material=STIFF)
+    motion = ("0.3*sin(2*t)", "0.2*t", None)
+    moved = [vv.Fixed(solid=solid, nodes="x0"), vv.Prescribed(solid=solid, nodes="x1", motion=motion)]
+    return [solid, *moved, vv.UserTerm(term=Push(leak, 2), on=[solid])]
+
+
+@pytest.mark.parametrize("leak", [0.05, -0.05])
+def test_leaks_do_not_hide_in_what_sums_miss_whatever_their_sign(leak: float) -> None:
+    """They halve the imbalance, or double it."""
+    verdicts = []
+    for force in (0.0, leak):
+        verdicts.append(energy_verdict(vv.quasi_static(vv.System(swaying(force)), until=1.0, step=0.1)))
+    assert "is a trapezoidal sum" in verdicts[0]
+    assert verdicts[1].startswith(LACKS)
+
+
+def relaxing(step: float, leak: float, kind: str) -> str:
+    """Of a square that is drawn and relaxes, by which it loses a twentieth of the work, or rubs."""
+    solid = vv.ViscoelasticSolid(
+        mesh=SQUARE, material=STIFF, branches=[vv.MaxwellBranch(time=0.1, share=0.5)]
+    )
+    pull: Any = vv.Traction(solid=solid, faces="x1", traction=(10, 0, 0), times="t")
+    if kind == "moved":
+        pull = vv.Prescribed(solid=solid, nodes="x1", motion=("0.2*sin(6*t)", None, None))
+    parts = [solid, vv.Fixed(solid=solid, nodes="x0"), pull, vv.UserTerm(term=Push(leak, 2), on=[solid])]
+    return energy_verdict(vv.quasi_static(vv.System(parts), until=1.0, step=step))
+
+
+def test_losses_of_steps_excuse_what_they_waver_by_alone() -> None:
+    for kind in ("drawn", "moved"):
+        for step in (1.0, 0.25, 0.05):
+            assert "WRONG" not in relaxing(step, 0.0, kind)
+    assert relaxing(0.05, 0.05, "drawn").startswith(LACKS)
 
 
 def bent(leak: float) -> list[Any]:
@@ -282,7 +353,7 @@ def test_what_sums_miss_follows_from_energies() -> None:
     """To a thousandth, in a step, as they are the same path: energies that rise less half of the forces at its ends."""
     result = vv.quasi_static(vv.System(bent(0.0)), until=1.0, step=0.25)
     assert result.ledger.sizes.missed is not None
-    assert result.ledger.sizes.missed.span[0] == pytest.approx(result.ledger.last("imbalance"), rel=1e-3)
+    assert result.ledger.sizes.missed.span[0, 0] == pytest.approx(result.ledger.last("imbalance"), rel=1e-3)
 
 
 @pytest.mark.parametrize("changes", [(-6,), (-6, 6), (6,)])

@@ -47,8 +47,12 @@ ASTRAY = (
     "EnergyMomentum(), by which it is seen whether all work is booked"
 )
 UNTOLD = (
-    "NOT CHECKED, as beside servos, and functions that fail between the states, it is not known what trapezoidal sums "
-    "of work along the load steps miss: a force whose work is not booked could go unseen"
+    "NOT CHECKED, as of functions that fail between the states, and of forces that do not tell what they act on, it is "
+    "not known what trapezoidal sums of work along load steps miss: a force whose work is not booked could go unseen"
+)
+SERVED = (
+    "NOT CHECKED of what hangs together with servos, where a force whose work is not booked could go unseen; of all "
+    "else "
 )
 NOTHING = 1e-16
 """Relative errors below are written as none."""
@@ -242,16 +246,17 @@ def statics_verdict(result: Result, missed: float) -> str:
             "these load steps miss: the work of some force is not booked, or its stress is not that of its energy"
         )
     apart = () if sums is None else sums.apart
-    if sums is not None and np.isnan(sums.most) and (apart or missed <= SNAPPED):
+    if sums is not None and np.isnan(sums.lacking) and (apart or sums.serves or missed <= SNAPPED):
         return UNTOLD
-    if (sums.most / scale if sums is not None and apart else missed) > SNAPPED:
+    served = SERVED if sums is not None and sums.serves else ""
+    if (sums.most / scale if sums is not None and (apart or served) else missed) > SNAPPED:
         return (
             "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
             "its path with vv.arc_length, or take the snap in steps of dynamics"
         )
     if apart:
-        return f"not meant to be exact: load steps take no time, and {', and '.join(apart)}"
-    return "not meant to be exact: work along the load steps is a trapezoidal sum, of second order in their length"
+        return f"{served}not meant to be exact: load steps take no time, and {', and '.join(apart)}"
+    return f"{served}not meant to be exact: work along the load steps is a trapezoidal sum, of second order in them"
 
 
 def exempted(why: Mapping[Component, str]) -> str:

@@ -376,7 +376,7 @@ class Bookkeeper:
         )
         self.ledger.add(row)
         if (missed := self.ledger.sizes.missed) is not None:
-            missed.add(imbalance)
+            missed.add()
         return row
 
 

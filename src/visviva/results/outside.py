@@ -66,12 +66,8 @@ def hanging_together(model: Model, some: Iterable[Owner]) -> set[int]:
     if not (found := set(map(model.index, some))):
         return found
     rest, neighbours = list(found), [set[int]() for _ in model.components]
-    numbers = {c: k for k, c in enumerate(model.components)}
-    owners = {model.index(f.component) for f in model.fields}
-    for k, component in enumerate(model.components):
-        others = {numbers[c] for c in referred(component) if c in numbers}
-        if not others and k not in owners:
-            found.add(k)
+    found |= untold(model)
+    for k, others in enumerate(others_of(model)):
         for other in others:
             neighbours[k].add(other)
             neighbours[other].add(k)
@@ -80,6 +76,18 @@ def hanging_together(model: Model, some: Iterable[Owner]) -> set[int]:
         found |= new
         rest += new
     return found
+
+
+def untold(model: Model) -> set[int]:
+    """Numbers of components that neither have unknowns nor tell whom they act on."""
+    owners = {model.index(f.component) for f in model.fields}
+    return {k for k, others in enumerate(others_of(model)) if not others and k not in owners}
+
+
+def others_of(model: Model) -> list[set[int]]:
+    """Of each component the numbers of those that it refers to."""
+    numbers = {c: k for k, c in enumerate(model.components)}
+    return [{numbers[c] for c in referred(component) if c in numbers} for component in model.components]
 
 
 def referred(value: Any) -> Iterator[Any]:
