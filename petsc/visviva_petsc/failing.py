@@ -61,7 +61,10 @@ def finalize_here(is_ours: bool) -> None:
     own = os.getpid()
 
     def finalize() -> None:
-        if os.getpid() == own:
+        if os.getpid() != own:
+            return
+        PETSc.garbage_cleanup()  # PETSc's own waits for those that have nothing to let go of
+        if is_ours:
             PETSc._finalize()
             MPI.Finalize()
 
@@ -72,8 +75,7 @@ def finalize_here(is_ours: bool) -> None:
         if not is_ours:
             atexit.register(leave_mpi if keeps_sessions() else refuse_end)
 
-    if is_ours:
-        atexit.register(finalize)
+    atexit.register(finalize)
     os.register_at_fork(after_in_child=leave_them)
 
 

@@ -53,6 +53,7 @@ class Solver:
         """
         comm, n, node, modes = self.comm.tompi4py(), len(of["multiplier"]), of["node"], of["modes"]
         self.release()
+        PETSc.garbage_cleanup(self.comm)  # of systems that are no more, which all have to let go of together
         owner = owners(comm, unknown, n)
         order = np.argsort(owner, kind="stable")
         number = np.full(n, -1, dtype=PETSc.IntType)

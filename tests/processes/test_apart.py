@@ -203,6 +203,10 @@ if kind == "solver":
     one.step(0.05)
 if kind == "one composes" and rank == 0:
     system()
+if kind == "one begins anew":
+    one.step(0.05)
+    if rank == 1:
+        one.reset()
 if kind == "lengths":
     one.step(0.05 + 0.01 * rank)
 if kind == "systems":
@@ -237,6 +241,7 @@ PARTED = {
     "within": r"process 1 of 2 is to take a step .* \(after \w+: .*only here.*\), and process 0 waits for it",
     "solver": r"process 1 of 2 could not solve with the others: RuntimeError: only here\n",
     "one composes": r"process 0 is to compose a system, process 1 to march system 0\. Each runs the whole script",
+    "one begins anew": r"process 0 is to march system 0, process 1 to compose a system\. Each",
     "lengths": r"process 0 is to take a step of system 0 from t = 0\.0 with h = 0\.05 by .* with h = 0\.06\d* by ",
     "systems": r"process 0 is to take a step of system 1 from t = 0\.0 .*, process 1 to take a step of system 0 ",
     "ends": r"process 1 of 2 has come to its end, and process 0 waits for it, to take a step of system 0 from t = 0\.0",

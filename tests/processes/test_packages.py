@@ -255,3 +255,30 @@ print(isinstance(world(), Alone))
 def test_one_process_with_a_rank_of_pmix_is_alone(tmp_path: Path) -> None:
     """MPICH asked for its size ends the process where no server of PMIx answers."""
     assert said(0, ALONE, tmp_path).split() == ["True"]
+
+
+MANY = """
+import gc
+import visviva as vv
+from visviva.base.world import world
+
+def used():
+    gc.collect()
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) / 256  # MiB, of pages of 4 KiB
+
+sizes, mesh = [], vv.BoxMesh(size=(1, 1, 1), counts=(12, 10, 10))
+for _ in range(8):
+    block = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=10.0, poisson=0.3), density=1.0)
+    vv.System([block, vv.Fixed(solid=block, nodes="x0"), vv.Gravity()]).step(0.01)
+    del block
+    sizes.append(used())
+if world().rank == 0:
+    print(sizes[-1] - sizes[1])
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
+def test_systems_that_are_no_more_take_no_memory(tmp_path: Path) -> None:
+    """PETSc kept the matrices of each until the end, 5 MiB here: processes may let go of them at different times."""
+    assert float(said(2, MANY, tmp_path)) < 12.0
