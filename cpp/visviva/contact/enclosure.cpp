@@ -21,9 +21,23 @@ Triangulated::Triangulated(const Skin& skin, int begin, int end) {
         const int* corner = skin.corners(f);
         for (int i = 0; i < n; ++i) edges.push_back(std::minmax({corner[i], corner[(i + 1) % n]}));
         for (int i = 2; i < n; ++i) triangles.insert(triangles.end(), {corner[0], corner[i - 1], corner[i]});
+        if (n == 2 && skin.dim == 2) {
+            const int back = skin.n_vertices(), front = 2 * back, a = corner[0], b = corner[1];
+            triangles.insert(triangles.end(),
+                             {a + back, a + front, b + back, b + back, a + front, b + front});
+        }
+        facets.resize(triangles.size() / 3, f);
     }
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+void Triangulated::stand_walls(std::vector<double>& X) {
+    const std::size_t n = X.size();
+    const auto [least, most] = std::minmax_element(X.begin(), X.end());
+    const double far = 4 * (*most - *least);  // lines that tell inside from outside rise by 1.3 of their way
+    for (const double z : {-far, far})
+        for (std::size_t i = 0; i < n; i += 3) X.insert(X.end(), {X[i], X[i + 1], z});
 }
 
 double Triangle::distance(const Vector3& x) const {
@@ -79,10 +93,17 @@ double Enclosure::depth(const Vector3& x, double least) const {
     if (least > 0) near(around({x.array() - least, x.array() + least}), beside);
     for (int k : beside)
         if (triangles_[k].distance(x) <= least) return 0;
-    if (!holds(x)) return 0;
+    const int k = nearest(x);
+    return k < 0 ? 0 : triangles_[k].distance(x);
+}
+
+int Enclosure::nearest(const Vector3& x) const {
+    int nearest = -1;
     double depth = HUGE_VAL;
-    for (const Triangle& t : triangles_) depth = std::min(depth, t.distance(x));
-    return depth;
+    if (!holds(x)) return nearest;
+    for (int k = 0; k < static_cast<int>(triangles_.size()); ++k)
+        if (const double d = triangles_[k].distance(x); d < depth) depth = d, nearest = k;
+    return nearest;
 }
 
 void Enclosure::cut(const Vector3& p, const Vector3& way, std::vector<double>& cuts) const {

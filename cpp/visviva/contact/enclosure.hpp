@@ -12,9 +12,13 @@ namespace visviva {
 struct Triangulated {
     std::vector<std::pair<int, int>> edges;
     std::vector<int> triangles;  // three vertices each, anticlockwise as seen from outside
+    std::vector<int> facets;     // that triangles are cut from
 
-    /// Of the facets from one number on to before another.
+    /// Of the facets from one number on to before another. Those of plane bodies are walls of space, between
+    /// copies of all vertices behind and before these: see `stand_walls`.
     Triangulated(const Skin& skin, int begin, int end);
+    /// Adds these copies to the positions of plane bodies, farther away than depths are.
+    static void stand_walls(std::vector<double>& X);
 };
 
 struct Triangle {
@@ -42,6 +46,8 @@ class Enclosure {
     void near(const Box& box, std::vector<int>& found) const { tree_.query(box, found); }
     /// Depth of a place; 0 outside, and where it is not more than `least`.
     double depth(const Eigen::Vector3d& x, double least = 0) const;
+    /// The triangle that is nearest to a place; -1 where that is outside.
+    int nearest(const Eigen::Vector3d& x) const;
     /// The ends of an edge, and where it passes through the surface, as parts of its length in ascending
     /// order.
     void cut(const Eigen::Vector3d& p, const Eigen::Vector3d& way, std::vector<double>& cuts) const;

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 namespace visviva {
 
@@ -15,16 +17,53 @@ using At = Eigen::Map<const Vector3>;
 
 }  // namespace
 
-Piercing::Piercing(Skin skin, double limit, double least, std::string cure)
-    : skin_(std::move(skin)),
+Piercing::Piercing(Sides sides, double limit, double least, std::string cure)
+    : of_(std::move(sides)),
       limit_(limit),
       least_(least),
       cure_(std::move(cure)),
-      sides_{{skin_, 0, skin_.second_begin}, {skin_, skin_.second_begin, skin_.n_facets()}} {}
+      sides_{{of_.skin, 0, of_.skin.second_begin}, {of_.skin, of_.skin.second_begin, of_.skin.n_facets()}} {
+    for (int side : {0, 1}) {
+        if (!of_.encloses[side]) sides_[side].triangles.clear();
+        keep_touching(side);
+    }
+}
+
+// Edges of faces that may touch. At the border of these they are in what lies beside them, too, unless it is
+// told by faces of that, too, whether they came in by them.
+void Piercing::keep_touching(int side) {
+    std::map<std::pair<int, int>, std::array<int, 2>>
+        beside;  // facets of an edge, those that may touch or not
+    std::array<int, 2> facets[2] = {};
+    for (int f = 0; f < of_.skin.n_facets(); ++f) {
+        const int of = f >= of_.skin.second_begin, touches = of_.faces[f] != 0, n = of_.skin.n_corners(f);
+        const int* corner = of_.skin.corners(f);
+        ++facets[of][touches];
+        for (int i = 0; of == side && i < n; ++i)
+            ++beside[std::minmax({corner[i], corner[(i + 1) % n]})][touches];
+    }
+    const bool by_part = facets[1 - side][0] > 0;
+    std::erase_if(sides_[side].edges, [&](const auto& edge) {
+        const auto& [free, touching] = beside.at(edge);
+        return touching == 0 || (free > 0 && !by_part);
+    });
+}
+
+std::vector<double> Piercing::positions(const double* q) const {
+    std::vector<double> X;
+    of_.skin.positions(q, X);
+    if (of_.skin.dim == 2) Triangulated::stand_walls(X);
+    return X;
+}
+
+// Of a place in the body of a side; 0 where the way out leads through faces that do not touch.
+double Piercing::depth(const Enclosure& body, int side, const Vector3& x) const {
+    const int k = body.nearest(x);
+    return k >= 0 && of_.faces[sides_[side].facets[k]] ? body.triangles()[k].distance(x) : 0;
+}
 
 Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen) {
-    std::vector<double> X0, X1;
-    skin_.positions(q0, X0), skin_.positions(q1, X1);
+    const std::vector<double> X0 = positions(q0), X1 = positions(q1);
     const double parts = parts_of(X0, X1);
     if (parts > most_parts) return {true, false, {}};
     if (!begun_) {
@@ -102,6 +141,7 @@ template <class F>
 void Piercing::each_part(const std::vector<double>& X, F take) const {
     std::vector<double> cuts;
     for (int side : {0, 1}) {
+        if (!of_.encloses[1 - side]) continue;
         const Enclosure body(X, sides_[1 - side].triangles);
         const auto& edges = sides_[side].edges;
         for (int k = 0; k < static_cast<int>(edges.size()); ++k) {
@@ -112,7 +152,8 @@ void Piercing::each_part(const std::vector<double>& X, F take) const {
                 Vector3 deepest = p;
                 auto look = [&](double s) {
                     const Vector3 x = p + s * way;
-                    if (const double d = body.depth(x); d > part.depth) part.depth = d, deepest = x;
+                    if (const double d = depth(body, 1 - side, x); d > part.depth)
+                        part.depth = d, deepest = x;
                 };
                 look(0.5 * (part.from + part.to));
                 if (i == 1) look(0);

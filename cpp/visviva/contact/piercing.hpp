@@ -1,4 +1,4 @@
-// How deep rigid bodies are in each other beside what their gaps see: edges that pierce the other surface.
+// How deep bodies are in each other beside what their gaps see: edges that pierce the other surface.
 #pragma once
 #include <Eigen/Dense>
 #include <string>
@@ -10,9 +10,16 @@ namespace visviva {
 
 class Piercing {
   public:
-    /// Two closed surfaces, `limit` the depth from which on they may not be in each other unseen, the `least`
-    /// of their widths, and what cures that.
-    Piercing(Skin skin, double limit, double least, std::string cure);
+    /// What is watched of two sides.
+    struct Sides {
+        Skin skin;
+        bool encloses[2];         // whether they are closed; else lines that may be in the other one
+        std::vector<char> faces;  // whether each facet is one by which they may touch
+    };
+
+    /// Two sides, `limit` the depth from which on they may not be in each other unseen, the `least` of their
+    /// widths, and what cures that.
+    Piercing(Sides sides, double limit, double least, std::string cure);
 
     struct Finding {
         bool outruns = false;  // bodies pass by more of their least width in a step than is looked at
@@ -39,13 +46,16 @@ class Piercing {
     bool sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, double seen,
                DeepPlace& worst) const;
     DeepPlace deepest(const std::vector<double>& X) const;
+    std::vector<double> positions(const double* q) const;
+    void keep_touching(int side);
+    double depth(const Enclosure& body, int side, const Eigen::Vector3d& x) const;
     template <class F>
     void each_part(const std::vector<double>& X, F take) const;
     double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
     double parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
 
-    Skin skin_;
+    Sides of_;
     double limit_, least_;
     std::string cure_;
     Triangulated sides_[2];

@@ -12,7 +12,7 @@ from visviva.component.point import Attachable
 from visviva.contact.bars import bars_of, is_bar
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions, surface_of
 from visviva.contact.obstacle import Obstacle
-from visviva.contact.sinking import whole_surface, with_solid
+from visviva.contact.sinking import finer, sees_all, whole_surface
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
@@ -37,7 +37,7 @@ def refuse_narrow(contact: Contact, x: Array) -> None:
     if is_bar(first):
         _refuse_beside(contact, second, x)
         return
-    if not mesh_bodies(first) or with_solid(contact) is not None:
+    if not mesh_bodies(first) or sees_all(contact):
         return
     own, other = surface_of(first, contact.first_faces, contact.label), whole_surface(contact, second)
     if not len(own.facets) or not len(other.facets):
@@ -48,15 +48,14 @@ def refuse_narrow(contact: Contact, x: Array) -> None:
     facet = _below(own, ends, normals, middle)
     if facet is None or _shades(own, corners, normals, facet, places):
         return
-    exchange = "" if isinstance(second, Obstacle) else "exchange first and second, or "
-    _refuse(contact, second, middle, f"{exchange}give {first.label} finer cells")
+    _refuse(contact, second, middle)
 
 
-def _refuse(contact: Contact, second: Attachable | Obstacle, middle: Array, cure: str) -> None:
-    near, first = ", ".join(f"{c:.4g}" for c in middle), contact.first.label
+def _refuse(contact: Contact, second: Attachable | Obstacle, middle: Array) -> None:
+    first, near = contact.first, ", ".join(f"{c:.4g}" for c in middle)
     raise InputError(
-        f"{contact.label}: {second.label} near ({near}) fits between the vertices of {first}, which alone touch it, "
-        f"and would fall through; {cure}"
+        f"{contact.label}: {second.label} near ({near}) fits between the vertices of {first.label}, which alone touch "
+        f"it, and would fall through; {finer(first, second)}"
     )
 
 
@@ -77,10 +76,7 @@ def _refuse_beside(contact: Contact, second: Attachable | Obstacle, x: Array) ->
         return
     across = np.linalg.svd(away[nearest, None])[2][1:].T
     if not _are_in(corners @ across, places @ across, radius):
-        more = f"give {contact.first.label} more cells"
-        _refuse(
-            contact, second, middle, f"{more}, or enforcement='penalty', which has points between its nodes"
-        )
+        _refuse(contact, second, middle)
 
 
 def _normals(own: Surface, corners: Array) -> tuple[Array, Array]:

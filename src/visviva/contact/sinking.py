@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeGuard
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.body.rigid import RigidBody
 from visviva.body.solid import Solid
 from visviva.component.point import Attachable
-from visviva.contact.contact_surface import Surface, mesh_bodies, of_vectors, skin, surface_of
+from visviva.contact.bars import bars_of, is_bar
+from visviva.contact.contact_surface import Surface, mesh_bodies, of_vectors, skin, surface_of, where_of
 from visviva.contact.obstacle import Obstacle
+from visviva.mesh.faces import Faces
 
 if TYPE_CHECKING:
     from visviva.contact.contact import Contact
@@ -23,11 +27,20 @@ FLEXIBLE = 40
 """How many times as deep solids are watched: vertices that slide over edges of theirs within a step sink that far."""
 AVERAGED = 10
 """The same by mortar."""
+THIN = 20
+"""The same of lines along bars and shells, whose own widths do not count."""
 THINNEST = 0.01
 """Part of a surface, such as facets at the tip of a cone, behind which a body may be thinner than its least width."""
 
-Second = RigidBody | Obstacle | Solid
 Pairing = tuple[RigidBody, RigidBody | Obstacle]
+
+
+class Side(NamedTuple):
+    """What is watched of a body: its closed surface with the facets (m,) that may touch, or lines along what is thin."""
+
+    surface: Surface
+    encloses: bool
+    touches: NDArray[np.bool_]
 
 
 def watched(contact: Contact) -> Pairing | None:
@@ -42,34 +55,43 @@ def watched(contact: Contact) -> Pairing | None:
     return (first, second) if isinstance(second, Obstacle) else None
 
 
-def with_solid(contact: Contact) -> tuple[Solid | RigidBody, Solid | RigidBody] | None:
-    """Both sides, one of them a solid, if what touches may not see where they sink into each other.
+def deforming(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | None:
+    """Both sides, one of them deformable, if what touches may not see where they sink into each other.
 
     By vertices the second may pass between those of the first, by mortar edges and corners of what is rigid pass means
-    over facets. Of a first solid, and by mortar, only where all faces may touch: what is pressed beside faces that are
-    named is meant to be free.
+    over facets.
     """
     first, second = contact.first, contact.second
     bodies = mesh_bodies(first, second)
-    if first is second or not bodies or (contact.is_mortar and len(bodies) > 1):
+    if first is second or not bodies or not isinstance(second, Attachable | Obstacle):
+        return None
+    if contact.is_mortar and (len(bodies) > 1 or not all(map(_encloses, bodies))):
         return None
     if isinstance(first, RigidBody) and first.shape is not None and len(first.shape.feelers[0]) == 1:
         return None  # balls are exact
-    named = (contact.first_faces, contact.second_faces) != ("all", "all")
-    if named and (contact.is_mortar or isinstance(first, Solid)):
+    if is_bar(second) or (is_bar(first) and contact.enforcement == "penalty"):  # touch all along
         return None
-    return (first, second) if _encloses(first) and _encloses(second) else None
+    return (first, second) if any(map(_encloses, (first, second))) else None
 
 
-def _encloses(body: object) -> TypeGuard[Solid | RigidBody]:
-    if isinstance(body, Solid):
-        return body.grid.dimension == 3
-    return isinstance(body, RigidBody) and body.shape is not None
+def _encloses(body: object) -> bool:
+    return isinstance(body, Solid | Obstacle) or (isinstance(body, RigidBody) and body.shape is not None)
+
+
+def sees_all(contact: Contact) -> bool:
+    """Whether steps see whatever passes between vertices of solids: of what is closed in space, by all of its faces."""
+    bodies = [body for body in (contact.first, contact.second) if isinstance(body, Solid | RigidBody)]
+    in_space = all(body.grid.dimension == 3 for body in mesh_bodies(*bodies))
+    return deforming(contact) is not None and len(bodies) == 2 and in_space and not _is_named(contact)
+
+
+def _is_named(contact: Contact) -> bool:
+    return (contact.first_faces, contact.second_faces) != ("all", "all")
 
 
 def watch(contact: Contact, term: _core.ContactTerm) -> None:
     """Let steps fail in which the bodies of a contact sink into each other unseen."""
-    pairing = watched(contact) or with_solid(contact)
+    pairing = watched(contact) or deforming(contact)
     if pairing is None:
         return
     first, second = pairing
@@ -79,14 +101,51 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         own = surface_of(first, contact.first_faces, contact.label)
         other = surface_of(second, contact.second_faces, contact.label)
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
-    sides = whole_surface(contact, first), whole_surface(contact, second)
-    least = min(narrowest(side) for side in sides)
-    deep = (
-        AVERAGED * UNSEEN * least
-        if contact.is_mortar and mesh_bodies(first, second)
-        else unseen(least, first, second)
-    )
-    term.watch(skin(*sides, sees=False), deep, least, _cure(contact, pairing))
+    sides = _side(contact, first, contact.first_faces), _side(contact, second, contact.second_faces)
+    surfaces = [side.surface for side in sides]
+    least = min(_width(side.surface, surfaces[0].dimension) for side in sides if side.encloses)
+    closed = sides[0].encloses, sides[1].encloses
+    touches = np.concatenate([side.touches for side in sides]).astype(np.int32)
+    deep = _deep(contact, all(closed)) * least
+    term.watch(skin(*surfaces, sees=False), closed, touches, deep, least, _cure(contact, pairing))
+
+
+def _side(contact: Contact, body: Attachable | Obstacle, faces: str | Faces) -> Side:
+    """Faces that are named are told apart of what deforms: what is pressed beside them is meant to be free."""
+    if not _encloses(body):
+        lines = _lines(contact, body, faces)
+        return Side(lines, False, np.ones(len(lines.facets), dtype=bool))
+    whole = whole_surface(contact, body)
+    if isinstance(body, Obstacle) or faces == "all" or not mesh_bodies(contact.first, contact.second):
+        return Side(whole, True, np.ones(len(whole.facets), dtype=bool))
+    named = {where_of(corners) for corners in surface_of(body, faces, contact.label)._corners()}
+    return Side(whole, True, np.array([where_of(corners) in named for corners in whole._corners()]))
+
+
+def _lines(contact: Contact, body: Any, faces: str | Faces) -> Surface:
+    """Lines along what is thin: of bars their middle, of shells edges and diagonals of their facets."""
+    if is_bar(body):
+        return bars_of(body, fine=False)[0]
+    surface = surface_of(body, faces, contact.label)
+    ends = surface.facets[:, [(0, 1), (1, 2), (2, 3), (3, 0), (2, 0), (1, 3)]].reshape(-1, 2)
+    lines = np.unique(np.sort(ends[(ends >= 0).all(axis=1)], axis=1), axis=0)
+    return replace(surface, facets=np.pad(lines, ((0, 0), (0, 2)), constant_values=-1))
+
+
+def _width(surface: Surface, dimension: int) -> float:
+    if dimension == surface.dimension:
+        return narrowest(surface)
+    return float(np.ptp(surface.places[:, :dimension], axis=0).min())  # of shapes that plane bodies touch
+
+
+def _deep(contact: Contact, are_closed: bool) -> float:
+    """Part of the least width by which bodies may be in each other unseen."""
+    bodies = mesh_bodies(contact.first, contact.second)
+    if not are_closed:
+        return UNSEEN * THIN
+    if bodies and contact.is_mortar and not _is_named(contact):
+        return UNSEEN * AVERAGED
+    return UNSEEN * (FLEXIBLE if bodies else 1)
 
 
 def unseen(least: float, *bodies: Attachable | Obstacle) -> float:
@@ -104,7 +163,7 @@ def narrowest(surface: Surface) -> float:
     thick, areas = surface.sights[:, 0], surface._facet_areas()
     order = np.argsort(thick, kind="stable")
     most = int(np.searchsorted(np.cumsum(areas[order]), THINNEST * areas.sum()))
-    across = float(np.ptp(surface.places, axis=0).min())
+    across = float(np.ptp(surface.places[:, : surface.dimension], axis=0).min())
     return min(float(thick[order[min(most, len(order) - 1)]]), across) if len(order) else across
 
 
@@ -123,19 +182,16 @@ def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
     return of_vectors(places, facets, points)
 
 
-def _cure(contact: Contact, pairing: tuple[Second, Second]) -> str:
+def _cure(contact: Contact, pairing: tuple[Attachable, Attachable | Obstacle]) -> str:
     first, second = (body.label for body in pairing)
     if contact.is_mortar:
-        rigid = next(body.label for body in pairing if isinstance(body, RigidBody))
+        rigid = next(body.label for body in pairing if isinstance(body, RigidBody | Obstacle))
         return (
             f"mortar gaps are means over facets, which edges and corners of {rigid} pass by where it lies tilted: take "
             f"formulation='node-to-segment', with {rigid} as first"
         )
-    if any(isinstance(body, Solid) for body in pairing):
-        return (
-            f"vertices of {first} alone touch {second}: exchange first and second, or take formulation='mortar' where "
-            "faces lie on each other"
-        )
+    if mesh_bodies(*pairing):
+        return f"vertices of {first} alone touch {second}: {finer(*pairing)}"
     if (contact.first_faces, contact.second_faces) != ("all", "all"):
         return (
             f"of faces that are named vertices of {first} alone touch {second}: leave out first_faces and "
@@ -150,6 +206,18 @@ def _cure(contact: Contact, pairing: tuple[Second, Second]) -> str:
         f"vertices of {first} touch {second}, and where both are convex and sharp by 30 degrees edges that cross and "
         "corners in faces: exchange first and second where what is round meets edges or corners, and take "
         "formulation='mortar' where faces lie on each other beside these"
+    )
+
+
+def finer(first: Attachable, second: Attachable | Obstacle) -> str:
+    """What cures that only vertices of a first, deformable or rigid body touch."""
+    if is_bar(first):
+        return f"give {first.label} more cells, or take enforcement='penalty', which has points between its nodes"
+    if isinstance(second, Obstacle):
+        return f"give {first.label} finer cells"
+    return (
+        "exchange first and second, or take formulation='mortar' where faces lie on each other, or give "
+        f"{first.label} finer cells"
     )
 
 
