@@ -375,6 +375,66 @@ def test_bars_by_a_penalty_touch_between_their_nodes() -> None:
     assert min(over) > -0.05 + 0.9 * 0.02
 
 
+def later(first: Any, other: Any, **faces: Any) -> None:
+    """What starts over a vertex, and is over a facet alone when it gets there, fails with its cure."""
+    parts = [first, other, vv.Contact(first=first, second=other, formulation="node-to-segment", **faces)]
+    if not isinstance(other, vv.Obstacle):
+        parts.append(vv.Fixed(solid=first, nodes="all" if isinstance(first, vv.Shell) else "y0"))
+    cure = "more cells" if isinstance(first, vv.Beam) else "finer cells"
+    with pytest.raises(
+        vv.StepFailure, match=f"sink into each other by .* vertices of .* alone touch .*{cure}"
+    ):
+        vv.simulate(vv.System(parts), until=0.4, step=0.005)
+
+
+@pytest.mark.parametrize("faces", ["upper", "z1"])
+@pytest.mark.parametrize("shape", [vv.Box(size=(0.1, 0.1, 0.1)), vv.Sphere(radius=0.1)])
+def test_what_comes_over_a_facet_later_fails(shape: Any, faces: str) -> None:
+    """Not where it starts, over a vertex of faces that are named: it fell through, freely."""
+    plate = coarse_plate(faces == "upper")
+    fallen = vv.RigidBody(shape=shape, density=500.0, position=(0.5, 0.5, 0.5), velocity=(-1.25, -1, -2))
+    later(plate, fallen, first_faces=faces)
+
+
+def test_obstacles_that_come_under_a_facet_later_fail() -> None:
+    peg = vv.Obstacle(shape=vv.Sphere(radius=0.1), at=(0.75, 0.75, -0.8))
+    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1), origin=(0.25, 0.25, -0.2))
+    solid = vv.Solid(
+        mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3, velocity=(0.8, 0.8, -2)
+    )
+    later(solid, peg)
+
+
+@pytest.mark.parametrize("shape", [vv.Box(size=(0.1, 1, 0.1)), vv.Sphere(radius=0.05)])
+def test_bars_that_come_over_a_peg_between_their_nodes_later_fail(shape: Any) -> None:
+    later(bar(4, velocity=(0.375, 0, -1)), vv.Obstacle(shape=shape, at=(0, 0, -0.3)))
+
+
+@pytest.mark.parametrize("faces", ["all", "y1"])
+def test_what_comes_over_a_facet_later_in_the_plane_fails(faces: str) -> None:
+    rubber: dict[str, Any] = {"material": vv.NeoHooke(young=1e6, poisson=0.3), "density": 1e3}
+    plate = vv.Solid(mesh=vv.RectangleMesh(size=(1, 0.2), counts=(2, 1)), **rubber)
+    mesh = vv.RectangleMesh(size=(0.3, 0.8), counts=(3, 8), origin=(0.35, 0.6))
+    later(plate, vv.Solid(mesh=mesh, velocity=(-1.25, -2, 0), **rubber), first_faces=faces)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_is_pressed_beside_named_faces_is_free(dimension: int) -> None:
+    """A block goes through a side that does not touch, to beyond its middle: freely, as the faces say."""
+    rubber: dict[str, Any] = {"material": vv.NeoHooke(young=1e6, poisson=0.3), "density": 1e3}
+    box, size = (vv.RectangleMesh, (1, 1)) if dimension == 2 else (vv.BoxMesh, (1, 1, 1))
+    floor = vv.Solid(mesh=box(size=size, counts=(2,) * dimension), **rubber)
+    mesh = box(size=size, counts=(3,) * dimension, origin=(1.1, -0.3, -0.3)[:dimension])
+    block = vv.Solid(mesh=mesh, velocity=(-1, 0, 0), **rubber)
+    contact = vv.Contact(
+        first=floor, second=block, first_faces="y1" if dimension == 2 else "z1", formulation="node-to-segment"
+    )
+    system = vv.System([floor, block, contact])
+    vv.simulate(system, until=0.7, step=0.02)
+    place = vv.Position(of=block.point((1.1, *(-0.3,) * (dimension - 1), 0)[:3]))
+    assert place(system)[0] == pytest.approx(0.4, abs=1e-9)
+
+
 @pytest.mark.parametrize("angles", [(0.0, np.pi / 4), (0.4, 0.4)])
 def test_what_lands_tilted_on_a_solid_is_seen_by_vertices_alone(angles: tuple[float, float]) -> None:
     """Means over facets hardly see edges and corners: it sank by half of the plate's thickness, without a word."""

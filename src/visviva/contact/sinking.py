@@ -36,7 +36,7 @@ Pairing = tuple[RigidBody, RigidBody | Obstacle]
 
 
 class Side(NamedTuple):
-    """What is watched of a body: its closed surface with the facets (m,) that may touch, or lines along what is thin."""
+    """What is watched of a body: its closed surface and which facets (m,) may touch, or lines along what is thin."""
 
     surface: Surface
     encloses: bool
@@ -65,13 +65,21 @@ def deforming(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | No
     bodies = mesh_bodies(first, second)
     if first is second or not bodies or not isinstance(second, Attachable | Obstacle):
         return None
-    if contact.is_mortar and (len(bodies) > 1 or not all(map(_encloses, bodies))):
+    if _is_averaged(contact) and (len(bodies) > 1 or not all(map(_encloses, bodies))):
         return None
     if isinstance(first, RigidBody) and first.shape is not None and len(first.shape.feelers[0]) == 1:
         return None  # balls are exact
     if is_bar(second) or (is_bar(first) and contact.enforcement == "penalty"):  # touch all along
         return None
-    return (first, second) if any(map(_encloses, (first, second))) else None
+    closed = [_encloses(body) for body in (first, second)]
+    extends = all(
+        is_closed or mesh_bodies(body) for body, is_closed in zip((first, second), closed, strict=True)
+    )
+    return (first, second) if any(closed) and extends else None
+
+
+def _is_averaged(contact: Contact) -> bool:
+    return contact.is_mortar and not isinstance(contact.second, Obstacle)  # which vertices touch
 
 
 def _encloses(body: object) -> bool:
@@ -143,7 +151,7 @@ def _deep(contact: Contact, are_closed: bool) -> float:
     bodies = mesh_bodies(contact.first, contact.second)
     if not are_closed:
         return UNSEEN * THIN
-    if bodies and contact.is_mortar and not _is_named(contact):
+    if bodies and _is_averaged(contact) and not _is_named(contact):
         return UNSEEN * AVERAGED
     return UNSEEN * (FLEXIBLE if bodies else 1)
 
@@ -184,8 +192,8 @@ def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
 
 def _cure(contact: Contact, pairing: tuple[Attachable, Attachable | Obstacle]) -> str:
     first, second = (body.label for body in pairing)
-    if contact.is_mortar:
-        rigid = next(body.label for body in pairing if isinstance(body, RigidBody | Obstacle))
+    if contact.is_mortar and not (mesh_bodies(*pairing) and isinstance(pairing[1], Obstacle)):
+        rigid = next(body.label for body in pairing if isinstance(body, RigidBody))
         return (
             f"mortar gaps are means over facets, which edges and corners of {rigid} pass by where it lies tilted: take "
             f"formulation='node-to-segment', with {rigid} as first"
