@@ -126,6 +126,22 @@ def test_history_excuses_what_it_may_lose() -> None:
     assert "has irreversibility = 'history'" in verdict
 
 
+def test_rounding_of_what_is_not_loaded_is_excused() -> None:
+    """What the history field changes of 2e-17 is all that there is, to 3e-13 of that."""
+    mesh = vv.RectangleMesh(size=(1, 1), counts=(3, 3), cell="quad8", origin=(0.2, 0))
+    solid = vv.FracturingSolid(
+        mesh=mesh,
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.2),
+        toughness=1.0,
+        length=1.0,
+        model="AT1",
+        plane="strain",
+        irreversibility="history",
+    )
+    result = vv.quasi_static(vv.System([solid, vv.Fixed(solid=solid, nodes="x0")]), until=1.0, step=1.0)
+    assert not energy_verdict(result).startswith("WRONG")
+
+
 def test_stored_strain_of_a_mixture_excuses_no_gain_of_others() -> None:
     """What diffuses loses less than half of what the ball gains, strains of the spin store twenty times that."""
 
@@ -418,3 +434,12 @@ def test_what_a_source_feeds_may_go_by_diffusion_that_is_not_booked() -> None:
     result = vv.simulate(vv.System([body, source]), until=20.0, step=0.25)
     assert -result.ledger.least("imbalance") > 2 * result.ledger.swing("potential_stored")
     assert "has form = 'direct'" in energy_verdict(result)
+
+
+@pytest.mark.parametrize("load", [1e-3, 1e-5, 1e-6])
+def test_rounding_of_small_strains_is_nothing_that_lacks(load: float) -> None:
+    """Energies of these are differences of large numbers, and forces the differences of those."""
+    solid = vv.Solid(mesh=SQUARE, material=vv.NeoHooke(young=100.0, poisson=0.4))
+    pull = vv.Traction(solid=solid, faces="x1", traction=(load, load, 0), times="t")
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), pull])
+    assert not energy_verdict(vv.quasi_static(system, until=1.0, step=0.5)).startswith("WRONG")

@@ -11,6 +11,7 @@ import numpy as np
 from visviva.body.mesh_body import MeshBody
 from visviva.flow.fluid import Fluid
 from visviva.results.lags import Lag
+from visviva.results.missed import PART
 from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
@@ -33,6 +34,8 @@ SNAPPED = 0.3
 """Statics whose work misses more of the energies than this was not followed step by step."""
 SUMMED = 0.1
 """Part of all work done by which its sums over steps may miss it: more is not resolved by the steps."""
+ROUNDED = 1e-3
+"""Part of the energies that differences of them may miss, up to half of what they tell: small strains are rounded."""
 PASSED = 0.07
 """Part of its momentum that fluid within a rigid body may lack: with marks as close as nodes it was less."""
 OVERSHOOT = 0.1
@@ -238,8 +241,9 @@ def statics_verdict(result: Result, missed: float) -> str:
     """Judge what works along load steps miss of the energies, which contents change as well."""
     ledger, scale = result.ledger, result.ledger.energy_scale
     sums = ledger.sizes.missed
-    if sums is not None and sums.lacking > LOOSE * scale:
-        if (why := unbooked(result.system.components)) and sums.lacking <= ledger.sizes.unbooked.stored:
+    if sums is not None and sums.lacking > max(LOOSE * scale, min(PART * sums.most, ROUNDED * scale)):
+        may = ledger.sizes.unbooked.stored + CONSERVED * scale
+        if (why := unbooked(result.system.components)) and sums.lacking <= may:
             return exempted(why)
         return (
             f"WRONG, as the balance lacks {told(sums.lacking / scale)} beside what trapezoidal sums of work along "

@@ -222,5 +222,6 @@ class Share:
         self.span[:LOST] += of_step, abs(of_step), abs(missed[self._loses].sum()), abs(lost - self.span[LOST])
         self.span[LOST] = lost
         off = CLOSE * self.span[MOST] + self.span[LOSING] + PART * self.span[WAVERED]
-        lacking = abs(stored - self.span[BALANCE] - self.span[MISSED]) - off - excused
+        lacks = stored - self.span[BALANCE]
+        lacking = np.minimum(abs(lacks), abs(lacks - self.span[MISSED])) - off - excused
         self.span[LACKING] = np.maximum(self.span[LACKING], lacking)
