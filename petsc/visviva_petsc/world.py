@@ -26,6 +26,9 @@ Ints = NDArray[np.int64]
 CLASS = re.compile(r"^visviva\.[\w.]+: ")
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""
+ASKED = 20
+"""Times that MPI is asked between looks whether others have come: it does its work when asked, and who had no processor
+for seconds has not heard of what came in the meantime."""
 BUSY = 0.1
 """Seconds of waiting that are not slept away."""
 CURE = (
@@ -96,14 +99,16 @@ class World:
 
     def wait(self, arrived: Any, what: str) -> None:
         """Wait for the others, as long as they may come; one that waits for this one elsewhere never will."""
-        start, looks, left = time.monotonic(), 0, 0
+        start = looked = time.monotonic()
+        asked, left = 0, 0
         while not arrived.Test():
-            waited = time.monotonic() - start
-            if waited > LOOK * (looks + 1):
-                looks += 1
+            now, asked = time.monotonic(), asked + 1
+            waited = now - start
+            if now - looked > LOOK and asked > ASKED:
+                looked, asked = now, 0
                 other = self.window.left_behind()
                 left = 0 if other is None else left + 1
-                if other is not None and left == 2:  # who has just been told of this one goes on at once
+                if other is not None and left * LOOK >= PATIENCE:  # who has been told of this one goes on
                     self.part(what, *other)
             if waited > BUSY:
                 time.sleep(min(waited / 10, 0.01))

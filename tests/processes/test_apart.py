@@ -272,6 +272,44 @@ def test_processes_that_do_the_same_go_on(tmp_path: Path) -> None:
     assert done.stdout.split() == ["through"]
 
 
+STARVED = """
+import time
+
+import numpy as np
+from visviva.base.world import world
+from visviva_petsc.world import World
+
+
+class Late:
+    def __init__(self, arrived):
+        self.arrived, self.asked = arrived, 0
+
+    def Test(self):
+        self.asked += 1
+        if self.asked == 1:
+            time.sleep(1.5)  # as if there were no processor for it
+        return self.asked > 4 and self.arrived.Test()
+
+
+those = world()
+wait = World.wait
+if those.rank == 1:
+    World.wait = lambda self, arrived, what: wait(self, Late(arrived), what)
+numbers = np.ones(3)
+those.sum(numbers)
+if those.rank == 0:
+    print(*numbers)
+"""
+
+
+def test_a_process_that_was_starved_is_waited_for(tmp_path: Path) -> None:
+    """It looked twice at once, saw that others had gone on with what it had not heard of yet, and ended all."""
+    (tmp_path / "starved.py").write_text(STARVED)
+    done = launched(2, str(tmp_path / "starved.py"), limit=60)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["2.0", "2.0", "2.0"]
+
+
 ROOM = """
 import visviva as vv
 from visviva import _core
