@@ -296,3 +296,15 @@ def test_walls_stop_what_is_driven_against_them(kind: str, angle: float, low: fl
     assert vv.Position(of=above)(system)[0] < first + 0.06
     energy = result.ledger["total"]
     assert np.diff(energy).max() < 1e-9 * energy[0]
+
+
+@pytest.mark.parametrize("kind", ["box", "mesh"])
+@pytest.mark.parametrize("beyond", [0.0, 1e-9, 1e-6, -1e-12])
+def test_corners_at_a_seam_where_a_step_ends_pass_by_a_penalty(kind: str, beyond: float) -> None:
+    """As far beyond the seam as it is below the floor or less: the wall there was nearer and threw the box back."""
+    below, parts = held(kind, [-0.3, 0.3], (0.6, 1, 0.1))
+    above = thrown(kind, (-0.3 + beyond, 0, 0.1), 0, (20, 0))
+    contacts = [vv.Contact(first=above, second=b, enforcement="penalty", stiffness=1e7) for b in below]
+    system = vv.System([*parts, above, *contacts, vv.Gravity()])
+    vv.simulate(system, until=0.01, step=1 / 2000)
+    assert vv.Velocity(of=above)(system)[0] == pytest.approx(20, abs=1e-5)

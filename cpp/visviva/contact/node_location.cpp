@@ -257,7 +257,7 @@ int NodeToSegment::touched(const double* X, int A, int side) const {
     int other = Sides::nearest;
     for (const Candidate& c : candidates_[A]) {
         const FacetShape facet = shape(X, c.facet);
-        if ((passes && are_same(X, side, c.facet)) || sagged(X, A, c.facet)) continue;
+        if ((passes && are_same(X, side, c.facet)) || swings_by(X, A, c.facet)) continue;
         for (int s = 0; s < facet.n_simplices(); ++s) {
             const double distance = closest(facet, s, At(X + 3 * A)).distance;
             if (distance < least && facet.height(s, At(X + 3 * A)) < 0 && looks(X, A, facet.normal(s)))

@@ -227,7 +227,7 @@ bool Obstacle::sagged(const double* X, int A, int side) const {
 int Obstacle::touched(const double* X, int A, int side) const {
     Scalar q[3];
     const int n = excesses(shape_, local(X, nudged(X, A)), q);
-    auto may = [&](int k) { return looks(X, A, out(X, q[k].d)) && !sagged(X, A, k); };
+    auto may = [&](int k) { return looks(X, A, out(X, q[k].d)) && !swings_by(X, A, k); };
     if (side >= 0 && may(side)) return side;
     int other = Sides::nearest;
     for (int k = 0; k < n; ++k)

@@ -81,7 +81,9 @@ int PointGaps::side_of_node(const double* X, int A) const {
 int PointGaps::side_inside(const double* X, int A, int kept) const {
     const double* start = sides_.start().data();
     if (kept < 0) {
-        const int came = entrance(start, X, A);
+        int came = entrance(start, X, A);
+        // what is barely inside may have come in by a side that it sags past all the same
+        if (const int near = nearest_side(X, A); came < 0 && !keeps_ && swings_by(X, A, near)) came = near;
         if (came < 0 || (keeps_ && !sagged(start, A, came)) || touches(start, A, came)) return came;
         return static_ ? touched(X, A, came) : Sides::none;
     }

@@ -57,6 +57,10 @@ class PointGaps : public Gaps {
     virtual int touched(const double* /*X*/, int /*vertex*/, int side) const { return side; }
     /// Whether a vertex of a rigid body has sagged below, or swings through, a side beside this one.
     virtual bool sagged(const double* /*X*/, int /*vertex*/, int /*side*/) const { return false; }
+    /// Whether it has there, or had where the step began: what swings may be many times as deep at its end.
+    bool swings_by(const double* X, int vertex, int side) const {
+        return sagged(X, vertex, side) || (start() && sagged(start(), vertex, side));
+    }
     bool touches(const double* X, int vertex, int side) const { return touched(X, vertex, side) == side; }
     /// Whether a corner of a rigid body may touch a side with this normal: it faces that.
     bool looks(const double* X, int vertex, const Eigen::Vector3d& normal) const;
