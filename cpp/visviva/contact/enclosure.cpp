@@ -106,6 +106,11 @@ int Enclosure::nearest(const Vector3& x) const {
     return nearest;
 }
 
+bool Enclosure::touches(const Vector3& x, double near) const {
+    return holds(x) || std::any_of(triangles_.begin(), triangles_.end(),
+                                   [&](const Triangle& t) { return t.distance(x) <= near; });
+}
+
 void Enclosure::cut(const Vector3& p, const Vector3& way, std::vector<double>& cuts) const {
     std::vector<int> beside;
     near(around({p, p + way}), beside);

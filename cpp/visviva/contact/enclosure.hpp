@@ -48,6 +48,8 @@ class Enclosure {
     double depth(const Eigen::Vector3d& x, double least = 0) const;
     /// The triangle that is nearest to a place; -1 where that is outside.
     int nearest(const Eigen::Vector3d& x) const;
+    /// Whether a place is inside, or as near to the surface as that.
+    bool touches(const Eigen::Vector3d& x, double near) const;
     /// The ends of an edge, and where it passes through the surface, as parts of its length in ascending
     /// order.
     void cut(const Eigen::Vector3d& p, const Eigen::Vector3d& way, std::vector<double>& cuts) const;

@@ -62,6 +62,26 @@ double Piercing::depth(const Enclosure& body, int side, const Vector3& x) const 
     return k >= 0 && of_.faces[sides_[side].facets[k]] ? body.triangles()[k].distance(x) : 0;
 }
 
+// Whether the other body rests on the vertices of the first one about a place, whose edge or facet is a chord
+// of what is round there.
+bool Piercing::spans(int side, const Enclosure& body, const Enclosure& own, const Vector3& x,
+                     const std::array<Vector3, 2>& edge, double depth) const {
+    constexpr double chord = 0.1;  // of its length at most, which is a seventh of a circle
+    std::vector<Vector3> ends(edge.begin(), edge.end());
+    if (side == 1) {
+        const Triangle& t = body.triangles()[body.nearest(x)];
+        ends = {t.a, t.b, t.c};
+    }
+    const Enclosure& other = side == 1 ? own : body;
+    if (other.triangles().empty()) return false;
+    double length = 0;
+    for (const Vector3& a : ends) {
+        if (!other.touches(a, 0.25 * limit_)) return false;
+        for (const Vector3& b : ends) length = std::max(length, (a - b).norm());
+    }
+    return depth <= chord * length;
+}
+
 Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen) {
     const std::vector<double> X0 = positions(q0), X1 = positions(q1);
     const double parts = parts_of(X0, X1);
@@ -142,7 +162,7 @@ void Piercing::each_part(const std::vector<double>& X, F take) const {
     std::vector<double> cuts;
     for (int side : {0, 1}) {
         if (!of_.encloses[1 - side]) continue;
-        const Enclosure body(X, sides_[1 - side].triangles);
+        const Enclosure body(X, sides_[1 - side].triangles), own(X, sides_[side].triangles);
         const auto& edges = sides_[side].edges;
         for (int k = 0; k < static_cast<int>(edges.size()); ++k) {
             const Vector3 p = At(&X[3 * edges[k].first]), way = At(&X[3 * edges[k].second]) - p;
@@ -152,8 +172,9 @@ void Piercing::each_part(const std::vector<double>& X, F take) const {
                 Vector3 deepest = p;
                 auto look = [&](double s) {
                     const Vector3 x = p + s * way;
-                    if (const double d = depth(body, 1 - side, x); d > part.depth)
-                        part.depth = d, deepest = x;
+                    const double d = depth(body, 1 - side, x);
+                    if (d <= part.depth || (d > limit_ && spans(side, body, own, x, {p, p + way}, d))) return;
+                    part.depth = d, deepest = x;
                 };
                 look(0.5 * (part.from + part.to));
                 if (i == 1) look(0);

@@ -1,6 +1,7 @@
 // How deep bodies are in each other beside what their gaps see: edges that pierce the other surface.
 #pragma once
 #include <Eigen/Dense>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class Piercing {
     std::vector<double> positions(const double* q) const;
     void keep_touching(int side);
     double depth(const Enclosure& body, int side, const Eigen::Vector3d& x) const;
+    bool spans(int side, const Enclosure& body, const Enclosure& own, const Eigen::Vector3d& x,
+               const std::array<Eigen::Vector3d, 2>& edge, double depth) const;
     template <class F>
     void each_part(const std::vector<double>& X, F take) const;
     double given(const Part& part, double length) const;
