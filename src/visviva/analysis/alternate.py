@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 ROUGHLY = 1e-4
 """Relative increments to which either part is solved on the way."""
+ROUNDING = 1e-14
+"""Of energies, by all that a component has."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ class AlternateMinimization(Static):
     Parameters
     ----------
     energy_tolerance : float
-        Share of the energy stored in what cracks, weights left out, that the last change of damages may release; or
-        take up, which history fields let it.
+        Share of the energy stored in each component that cracks, weights left out, that the last change of damages may
+        release; or take up, which history fields let it.
     rounds : int
         Largest number of goes to and fro; a load step that takes more is halved.
     newton : int
@@ -91,9 +93,8 @@ class Alternation(Equilibrium):
 
     options: AlternateMinimization
     damages: NDArray[np.int32] = field(init=False)
-    stored: NDArray[np.bool_] = field(
-        init=False
-    )  # accounts of the energies that cracks release, without weights
+    accounts: list[tuple[NDArray[np.bool_], NDArray[np.bool_]]] = field(init=False)
+    """Of every component that cracks: all of its energies, and those that cracks release, without weights."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -101,9 +102,11 @@ class Alternation(Equilibrium):
         fields = [growing.field for growing in self.system.model.growing]
         for f in fields:
             self.damages[f.unknowns] = 1
-        cracking = {self.system.model.index(f.component) for f in fields}
         accounts = self.system.model.accounts
-        self.stored = np.array([a.kind == "stored" and a.component in cracking for a in accounts])
+        self.accounts = [
+            (np.array([a.component == k for a in accounts]), np.array([a.kind == "stored" for a in accounts]))
+            for k in dict.fromkeys(self.system.model.index(f.component) for f in fields)
+        ]
 
     @contextmanager
     def _halted(self, unknowns: NDArray[np.int32]) -> Iterator[None]:
@@ -134,11 +137,22 @@ class Alternation(Equilibrium):
             before = self.energies(time)
             taken += self._part(time, 1 - self.damages, ROUGHLY)
             after = self.energies(time)
-            if abs((before - after).sum()) <= o.energy_tolerance * after[self.stored].sum():
+            if self._has_settled(before, after):
                 return taken + self._part(time, self.damages, o.tolerance)
         raise self.failure(
             time, f"no equilibrium in {o.rounds} goes to and fro between positions and damages"
         )
+
+    def _has_settled(self, before: Array, after: Array) -> bool:
+        """Whether a change of damages released next to nothing, in every component: none hides behind a larger one."""
+        for own, stored in self.accounts:
+            allowed = (
+                self.options.energy_tolerance * after[own & stored].sum()
+                + ROUNDING * np.abs(after[own]).sum()
+            )
+            if abs((before - after)[own].sum()) > allowed:
+                return False
+        return True
 
     def _part(self, time: float, halted: NDArray[np.int32], tolerance: float) -> LoadReport:
         """Newton's method while some unknowns are halted."""

@@ -97,7 +97,8 @@ class CrackTip(Reading):
         a, b = a[crossing], b[crossing]
         share = ((self.level - d[a]) / (d[b] - d[a]))[:, None]
         places = np.concatenate([X[d >= self.level], (1 - share) * X[a] + share * X[b]])
-        reach = places @ np.asarray(self.along)
+        along = np.asarray(self.along) / np.abs(self.along).max()
+        reach = places @ (along / np.linalg.norm(along))
         tip: Array = places[reach >= reach.max() - 1e-9 * np.ptp(X)].mean(axis=0)
         return tip
 

@@ -14,6 +14,7 @@ from visviva.component.values import Number
 from visviva.measure.measures import Reading
 from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
+from visviva.phase.exclusion import Exclusion
 from visviva.phase.mixture_solid import MixtureSolid
 from visviva.phase.statistics import domain_size, interface_area, phase_volume
 
@@ -36,21 +37,39 @@ class InterfaceArea(Reading):
     Parameters
     ----------
     body : CahnHilliard, MixtureSolid or AllenCahn
-        Its free energy has two phases.
+    phases : (float, float), optional
+        Values on both sides of interfaces. By default those that its free energy separates into, of the time being if
+        that changes; without two there is no interface. To be given for order parameters that exclude each other,
+        (0, 1) for grains.
     """
 
     body: Body
+    phases: tuple[Number, Number] | None = None
 
     def __post_init__(self) -> None:
-        if self.body.interface() is None:
-            raise InputError(f"InterfaceArea: the free energy of {self.body.label} has no two phases")
+        if self.phases is not None and not self.phases[0] < self.phases[1]:
+            raise InputError(f"InterfaceArea: phases = {self.phases} do not ascend")
+        if self.phases is None and not self.body.free_energy.changes and self.body.interface() is None:
+            raise InputError(
+                f"InterfaceArea: the free energy of {self.body.label} has no two phases; give phases=(low, high)"
+            )
 
     def __call__(self, system: System) -> Any:
-        found = self.body.interface()
-        assert found is not None
-        return interface_area(
-            self.body.space.cells(), coefficients(self.body, system), found.high - found.low
-        )
+        phases = self.phases or self._separated(system)
+        if phases is None:
+            return 0.0
+        return interface_area(self.body.space.cells(), coefficients(self.body, system), phases[1] - phases[0])
+
+    def _separated(self, system: System) -> tuple[float, float] | None:
+        """What the free energy separates into."""
+        for other in system.components:
+            if isinstance(other, Exclusion) and self.body in other.bodies:
+                raise InputError(
+                    f"InterfaceArea: {self.body.label} is one of several order parameters of {other.label}, and its "
+                    "free energy alone does not tell its phases; give phases=(low, high), (0, 1) for grains"
+                )
+        found = self.body.interface(system.time)
+        return None if found is None else (found.low, found.high)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)

@@ -86,6 +86,10 @@ class Exclusion(Component):
                     f"{other.thickness:g}: what excludes each other fills the same volume; give both the same"
                 )
 
+    def announce(self, model: Model) -> None:
+        for body in self.bodies:
+            model.announce(body, self)
+
     def contribute(self, model: Model) -> None:
         for body in self.bodies:
             model.index(body)

@@ -234,12 +234,13 @@ class FracturingSolid(Solid):
             )
 
     def remarks(self) -> list[str]:
-        sizes = [edges(self.grid.points, nodes, cell) for cell, nodes in self.grid.cells.items()]
+        sizes = [lengths(self.grid.points, nodes, cell) for cell, nodes in self.grid.cells.items()]
         finest = min(float(s.min()) for s in sizes)
         if finest > 0.5 * self.length * (1 + 1e-9):
             return [
-                f"{self.label}: its finest cells of {finest:.3g} are larger than half the length {self.length:g} of a "
-                f"crack, which costs {100 * finest / (2 * self.length):.0f} % more there; damages of AT1 may exceed 1"
+                f"{self.label}: its finest cells, {finest:.3g} long, are larger than half the length {self.length:g} "
+                f"of a crack, which costs {100 * finest / (2 * self.length):.0f} % more if it crosses them that way; "
+                "damages of AT1 may exceed 1"
             ]
         return []
 
@@ -374,6 +375,10 @@ class FracturingSolid(Solid):
         return others | ({"damage": self.damages(x)} if "damage" in names else {})
 
 
+STRETCHED = 1.5
+"""Length of cells that are long in one direction, over the root of their area or volume."""
+
+
 def edges(points: Array, nodes: Ints, cell: str) -> Array:
     """Sizes (m,) of cells, half as large where nodes lie between corners."""
     d = points.shape[1]
@@ -381,3 +386,11 @@ def edges(points: Array, nodes: Ints, cell: str) -> Array:
     share = {"tri": 1 / 2, "tet": 1 / 6}.get(cell[:3], 1.0)
     size: Array = (volume / share) ** (1 / d)
     return size / (2 if CELLS[cell].middles else 1)
+
+
+def lengths(points: Array, nodes: Ints, cell: str) -> Array:
+    """Sizes (m,) of cells, their lengths if they are stretched."""
+    kind, size = CELLS[cell], edges(points, nodes, cell)
+    J = np.einsum("mki,kj->mij", points[nodes], kind.dN(kind.centre[None])[0]) * np.ptp(kind.nodes, axis=0)
+    length = np.linalg.norm(J, 2, axis=(1, 2)) / (2 if kind.middles else 1)
+    return np.where(length > STRETCHED * size, length, size)

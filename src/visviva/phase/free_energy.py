@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
 from typing import Annotated, Any
 
@@ -289,71 +288,17 @@ class UserFreeEnergy(FreeEnergy):
 
     def __post_init__(self) -> None:
         self.polynomial = Polynomial([0.0])
-        self._function = Derivatives(lambda e: self.function(e[0]), 1, 1, "UserFreeEnergy")
+
+    def _derivatives(self, c: Array) -> Derivatives:
+        """Of the function, about compositions of the size of these, in whichever unit they are."""
+        size = float(np.abs(c).max(initial=0.0)) or 1.0
+        return Derivatives(lambda e: self.function(e[0]), 1, 1, "UserFreeEnergy", np.array([size]))
 
     def values(self, c: Array) -> Array:
-        return self._function.value(np.reshape(c, (1, -1))).reshape(np.shape(c))
+        return self._derivatives(c).value(np.reshape(c, (1, -1))).reshape(np.shape(c))
 
     def slopes(self, c: Array) -> Array:
-        return self._function.gradient(np.reshape(c, (1, -1))).reshape(np.shape(c))
+        return self._derivatives(c).gradient(np.reshape(c, (1, -1))).reshape(np.shape(c))
 
     def curvatures(self, c: Array) -> Array:
-        return self._function.hessian(np.reshape(c, (1, -1))).reshape(np.shape(c))
-
-
-@plain_dataclass(frozen=True)
-class Interface:
-    """Flat interface between the phases of a free energy with a gradient energy.
-
-    Attributes
-    ----------
-    low, high : float
-        Compositions of the phases, by the common tangent.
-    tension : float
-        Energy per area, ``integral of sqrt(2 kappa df) dc``.
-    width : float
-        ``(high - low) sqrt(kappa / (2 max df))``: of ``tanh(2 x / width)``.
-    """
-
-    low: float
-    high: float
-    tension: float
-    width: float
-
-
-def interface(energy: FreeEnergy, gradient: float, between: tuple[float, float]) -> Interface | None:
-    """The interface of an energy whose compositions lie between bounds; None if nothing separates there.
-
-    Examples
-    --------
-    >>> found = interface(DoubleWell(barrier=1.0, low=-1.0), 2.0, (-1.5, 1.5))
-    >>> round(found.low, 3), round(found.high, 3), round(found.width, 3), round(found.tension, 3)
-    (-1.0, 1.0, 2.0, 2.667)
-    """
-    low, high = max(between[0], energy.domain[0]), min(between[1], energy.domain[1])
-    c = np.linspace(low, high, 4001)
-    f = energy.values(c)
-    first, second = widest_gap(c, f)
-    if second - first < 2:
-        return None
-    inside = c[first : second + 1]
-    df = f[first : second + 1] - np.interp(inside, c[[first, second]], f[[first, second]])
-    tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), inside))
-    apart = float(inside[-1] - inside[0])
-    return Interface(
-        float(inside[0]), float(inside[-1]), tension, apart * float(np.sqrt(gradient / (2 * df.max())))
-    )
-
-
-def widest_gap(c: Array, f: Array) -> tuple[int, int]:
-    """Neighbours in the lower convex hull of points that are farthest apart."""
-    hull: list[int] = []
-    for k in range(len(c)):
-        while len(hull) > 1:
-            a, b = hull[-2], hull[-1]
-            if (f[b] - f[a]) * (c[k] - c[a]) < (f[k] - f[a]) * (c[b] - c[a]):
-                break
-            hull.pop()
-        hull.append(k)
-    k = int(np.argmax(np.diff(hull)))
-    return hull[k], hull[k + 1]
+        return self._derivatives(c).hessian(np.reshape(c, (1, -1))).reshape(np.shape(c))

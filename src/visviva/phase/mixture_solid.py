@@ -28,7 +28,8 @@ from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.phase.cahn_hilliard import CahnHilliard
-from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy
+from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
+from visviva.phase.interface import Interface
 from visviva.phase.mobility import Mobility
 from visviva.phase.phase_body import first_point, missed_mobility
 
@@ -178,9 +179,14 @@ class MixtureSolid(Limited, Solid):
     def _stiffness(self, off: Array) -> Array:
         return np.asarray(np.polynomial.polynomial.polyval(off, self._moduli))
 
-    def interface(self) -> Interface | None:
-        """The flat interface between its phases, without stress."""
-        return self.chemistry.interface()
+    def interface(self, time: float = 0.0) -> Interface | None:
+        """The flat interface between its phases at a time, without stress."""
+        return self.chemistry.interface(time)
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether its gradient energy is the same in all directions of its mesh."""
+        return self.chemistry.is_isotropic
 
     def remarks(self) -> list[str]:
         return [*super().remarks(), *self.chemistry.remarks()]

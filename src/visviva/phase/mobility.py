@@ -227,6 +227,10 @@ class ArrheniusMobility(Mobility):
             )
         self.centre, self.polynomial, self._base = base.centre, share * base.polynomial, base
 
+    @property
+    def changes(self) -> bool:
+        return super().changes or self._base.changes
+
     def missed(self, c: Array) -> NDArray[np.bool_]:
         return self._base.missed(c)
 
@@ -234,7 +238,9 @@ class ArrheniusMobility(Mobility):
         return self._base.missing(c)
 
     def at(self, time: float) -> Mobility:
-        return replace(self, temperature=temperature_at(self, time)) if self.changes else self
+        if not self.changes:
+            return self
+        return replace(self, base=self._base.at(time), temperature=temperature_at(self, time))
 
 
 def mobility_of(label: str, given: Any) -> Mobility:

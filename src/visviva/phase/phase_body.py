@@ -22,7 +22,8 @@ from visviva.mesh.spline import SplineSource
 from visviva.model.callback import Function
 from visviva.model.field import Field
 from visviva.model.points import Group
-from visviva.phase.free_energy import FreeEnergy, Interface, UserFreeEnergy, interface
+from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
+from visviva.phase.interface import Interface, interface
 from visviva.phase.mobility import Mobility
 
 if TYPE_CHECKING:
@@ -121,23 +122,30 @@ class PhaseBody(Limited, Meshed):
             raise InputError(f"{self.label}: at the start {self._a} of {said}")
 
     @property
-    def range(self) -> tuple[float, float]:
-        """Of values that phases are looked for in."""
-        low, high = self.free_energy.domain
-        least, most = float(self.start_values.min()), float(self.start_values.max())
-        wells = [getattr(self.free_energy, k, None) for k in ("low", "high")]
-        bounds = [b for b in (*wells, 0.0, 1.0, least, most) if b is not None]
-        return max(low + 1e-9, min(bounds)), min(high - 1e-9, max(bounds))
+    def _start(self) -> tuple[float, float]:
+        """Least and largest value at the start."""
+        return float(self.start_values.min()), float(self.start_values.max())
 
-    def interface(self) -> Interface | None:
-        """The flat interface between its phases, across the direction of the least gradient energy."""
-        return interface(self.free_energy, float(np.linalg.eigvalsh(full(self._tensor)).min()), self.range)
+    def interface(self, time: float = 0.0) -> Interface | None:
+        """The flat interface between its phases at a time, across the direction of the least gradient energy."""
+        return interface(self.free_energy.at(time), float(self._stiffnesses().min()), self._start)
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether its gradient energy is the same in all directions of its mesh."""
+        found = self._stiffnesses()
+        return bool(np.ptp(found) <= 1e-12 * found.max())
+
+    def _stiffnesses(self) -> Array:
+        """Principal values of its gradient energy in the directions of its mesh."""
+        d = self.grid.points.shape[1]
+        return np.asarray(np.linalg.eigvalsh(full(self._tensor)[:d, :d]))
 
     def _refuse_thin_interfaces(self) -> None:
         try:
             found = self.interface()
         except NotFinite as error:
-            low, high = self.range
+            low, high = min(0.0, *self._start), max(1.0, *self._start)
             raise InputError(
                 f"{self.label}: {error}; phases are looked for from {low:g} to {high:g}: take vv.FloryHuggins or "
                 "vv.RegularSolution for logarithms, or let it have values there too, where c * np.log(c) has none at 0"
@@ -176,8 +184,9 @@ class PhaseBody(Limited, Meshed):
     @property
     def scale(self) -> float:
         """A large change of the field."""
-        low, high = self.range
-        return high - low
+        found = self.interface()
+        ends = (0.0, 1.0) if found is None else (found.low, found.high)
+        return max(*ends, *self._start) - min(*ends, *self._start)
 
     def constants(self, time: float = 0.0) -> list[float]:
         """Of energy and mobility at a time, see ``visviva/point/mixture.hpp``."""
@@ -206,7 +215,10 @@ class PhaseBody(Limited, Meshed):
         def energy(e: Any) -> Any:
             return f(e[0]) + 0.5 * np.einsum("an,ab,bn->n", e[1:], K, e[1:])
 
-        return Function(energy, 4, 1, f"{self.label}: its free energy")
+        slope = self.scale / self.space.spacing
+        return Function(
+            energy, 4, 1, f"{self.label}: its free energy", np.array([self.scale, slope, slope, slope])
+        )
 
     def group(self, field: Field, table: Table, weights: Array) -> Group:
         """Unknowns of a field with their weights."""

@@ -21,6 +21,7 @@ from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
+from visviva.phase.exclusion import Exclusion
 from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
 from visviva.phase.mixture_solid import MixtureSolid
 from visviva.thermal.boundaries import Values
@@ -107,6 +108,11 @@ class Wetting(Component):
                 f"{self.label}: the free energy of {self.body.label} changes in time, and with it what an angle stands "
                 "for; give an energy"
             )
+        if not self.body.is_isotropic:
+            raise InputError(
+                f"{self.label}: the gradient energy of {self.body.label} is not the same in all directions, so that "
+                "what an angle stands for is another one for every direction of the wall; give an energy"
+            )
         found = self.body.interface()
         if found is None:
             raise InputError(
@@ -116,6 +122,13 @@ class Wetting(Component):
         s = Polynomial([0.5, 1 / apart])
         share = -found.tension * np.cos(np.radians(angle)) * (3 * s**2 - 2 * s**3)
         return PolynomialEnergy(coefficients=tuple(float(a) for a in share.coef), centre=centre)
+
+    def declare(self, model: Model) -> None:
+        if self.angle is not None and (others := model.announced(self.body, Exclusion)):
+            raise InputError(
+                f"{self.label}: {self.body.label} is one of several order parameters of {others[0].label}, and its "
+                "free energy alone does not tell what an angle stands for; give an energy"
+            )
 
     def contribute(self, model: Model) -> None:
         model.index(self.body)

@@ -1,0 +1,163 @@
+"""Phases and interfaces that free energies tell, wherever a run starts and in whichever unit its composition is."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.phase.interface import interface
+
+WELLS = (0.25, 0.0, -0.5, 0.0, 0.25)
+"""Of ``(1 - a^2)^2 / 4``, whose interface has the tension ``2 sqrt(2 kappa) / 3`` and the width ``2 sqrt(2 kappa)``."""
+STARTS = {
+    "front": lambda X: np.tanh((X[:, 0] - 12) / np.sqrt(2)),
+    "less": lambda X: 0.3 * np.tanh((X[:, 0] - 12) / np.sqrt(2)),
+    "even": 0.0,
+}
+
+
+def order(start: Any, **options: Any) -> vv.AllenCahn:
+    """A conserved order parameter with phases of -1 and 1."""
+    given: dict[str, Any] = {
+        "mesh": vv.RectangleMesh(size=(24, 4), counts=(48, 8)),
+        "free_energy": vv.PolynomialEnergy(coefficients=WELLS),
+        "gradient_energy": 1.0,
+        "order": start,
+    }
+    return vv.AllenCahn(**{**given, **options})
+
+
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("own", [False, True])
+def test_phases_are_told_by_the_energy(start: str, own: bool) -> None:
+    user = {"free_energy": vv.UserFreeEnergy(function=lambda a: 0.25 * (1 - a**2) ** 2)} if own else {}
+    body = order(STARTS[start], **user)
+    found = body.interface()
+    assert found is not None
+    expected = (-1.0, 1.0, 2 * np.sqrt(2) / 3, 2 * np.sqrt(2))
+    assert (found.low, found.high, found.tension, found.width) == pytest.approx(expected, rel=1e-6)
+    wall = vv.Wetting(body=body, faces="y0", angle=60.0).wall_energy
+    assert wall.values(np.array(-1.0)) - wall.values(np.array(1.0)) == pytest.approx(0.5 * found.tension)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e-14, 1e5])
+@pytest.mark.parametrize("own", [False, True])
+def test_units_of_the_composition_change_nothing(unit: float, own: bool) -> None:
+    wells = vv.DoubleWell(barrier=5 / unit**4, low=0.3 * unit, high=0.7 * unit)
+    mine = vv.UserFreeEnergy(function=lambda c: 5 * (c / unit - 0.3) ** 2 * (0.7 - c / unit) ** 2)
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(24, 24), counts=(12, 12)),
+        free_energy=mine if own else wells,
+        gradient_energy=2.0 / unit**2,
+        mobility=5.0 * unit**2,
+        concentration=lambda X: unit * (0.5 + 0.05 * np.cos(0.5 * X[:, 0]) * np.cos(0.4 * X[:, 1])),
+    )
+    found = body.interface()
+    assert found is not None
+    tension = np.sqrt(2 * 2 * 5) * 0.4**3 / 6
+    assert (found.low / unit, found.high / unit, found.tension) == pytest.approx(
+        (0.3, 0.7, tension), rel=1e-6
+    )
+    c = np.array([0.35, 0.62]) * unit
+    assert mine.curvatures(c) == pytest.approx(wells.curvatures(c), rel=1e-5)
+    system = vv.System([body])
+    vv.simulate(system, until=20.0, step=1.0, scheme=vv.BDF2())
+    ends = body.values(system.x).min() / unit, body.values(system.x).max() / unit
+    assert ends == pytest.approx(
+        (0.3208735252670, 0.7048763769048), abs=1e-10
+    )  # in unit 1 by the double well
+
+
+def test_energies_without_a_barrier_have_no_phases() -> None:
+    for energy in (
+        vv.PolynomialEnergy(coefficients=(0.0, 1.0, 0.5)),
+        vv.PolynomialEnergy(coefficients=(0.0, 0.0, 0.0, 0.0, 1.0)),
+        vv.PolynomialEnergy(coefficients=(0.0, 0.0, -1.0)),
+        vv.UserFreeEnergy(function=lambda c: c**2),
+        vv.UserFreeEnergy(function=lambda c: 3 * c),
+    ):
+        assert interface(energy, 1.0, (0.2, 0.4)) is None
+
+
+def test_a_tilt_leaves_a_polynomial_its_phases() -> None:
+    """A linear term moves no common tangent, though wells vanish by it."""
+    found = interface(vv.PolynomialEnergy(coefficients=(0.25, 3.0, -0.5, 0.0, 0.25)), 1.0, (0.0, 0.0))
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((-1.0, 1.0), abs=1e-9)
+
+
+def test_of_many_wells_two_beside_each_other_are_phases() -> None:
+    waves = vv.UserFreeEnergy(function=lambda c: 1 - np.cos(2 * np.pi * c))
+    found = interface(waves, 1.0, (0.1, 2.4))
+    assert found is not None
+    assert found.high - found.low == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("start", ["front", "less"])
+def test_a_front_has_its_area(start: str) -> None:
+    body = order(STARTS[start])
+    system = vv.System([body])
+    vv.simulate(system, until=40.0, step=1.0, scheme=vv.BackwardEuler())
+    assert vv.InterfaceArea(body=body)(system) == pytest.approx(4.0, rel=1e-4)
+
+
+def test_the_area_follows_phases_of_the_time_being() -> None:
+    """A cooled front is as large as one that has been cold all the time."""
+    R, areas = 8.31446261815324, []
+    for temperature in ([[0, 900.0], [1, 600.0], [100, 600.0]], 600.0):
+        body = vv.CahnHilliard(
+            mesh=vv.RectangleMesh(size=(24, 4), counts=(48, 8)),
+            free_energy=vv.RegularSolution(temperature=temperature, excess=[2 * R * 1000], volume=R * 1000),
+            gradient_energy=1.0,
+            concentration=lambda X: 0.5 + 0.25 * np.tanh((X[:, 0] - 12) / 2),
+        )
+        system = vv.System([body])
+        vv.simulate(system, until=60.0, step=2.0, scheme=vv.BackwardEuler())
+        areas.append(vv.InterfaceArea(body=body)(system))
+    assert areas[0] == pytest.approx(areas[1], rel=0.02)
+
+
+def test_grains_have_the_phases_that_are_given() -> None:
+    energy = vv.PolynomialEnergy(coefficients=(0.0, 0.0, -0.5, 0.0, 0.25))
+    grains = [
+        vv.AllenCahn(
+            mesh=vv.RectangleMesh(size=(8, 1), counts=(32, 2)),
+            free_energy=energy,
+            gradient_energy=0.5,
+            order=lambda X, sign=sign: 0.5 + 0.5 * sign * np.tanh(X[:, 0] - 4),
+        )
+        for sign in (-1, 1)
+    ]
+    apart = vv.Exclusion(bodies=grains, strength=1.5)
+    system = vv.System([*grains, apart])
+    assert vv.InterfaceArea(body=grains[0], phases=(0, 1))(system) == pytest.approx(1.0, rel=1e-3)
+    with pytest.raises(vv.InputError, match="does not tell its phases; give phases"):
+        vv.InterfaceArea(body=grains[0])(system)
+    with pytest.raises(vv.InputError, match="do not ascend"):
+        vv.InterfaceArea(body=grains[0], phases=(1, 0))
+    bodies = copy.deepcopy(grains)
+    wall = vv.Wetting(body=bodies[0], faces="y0", angle=60.0)
+    with pytest.raises(vv.InputError, match="what an angle stands for; give an energy"):
+        vv.System([*bodies, vv.Exclusion(bodies=bodies, strength=1.5), wall])
+
+
+def test_angles_need_a_gradient_energy_alike_in_all_directions() -> None:
+    with pytest.raises(vv.InputError, match="another one for every direction of the wall; give an energy"):
+        vv.Wetting(body=order(0.0, gradient_energy=(4, 1, 1)), faces="y0", angle=60.0)
+    across, plain = (
+        vv.Wetting(body=order(0.0, gradient_energy=K), faces="y0", angle=60.0) for K in ((1, 1, 0.04), 1.0)
+    )
+    assert across.wall_energy.polynomial == plain.wall_energy.polynomial
+
+
+def test_mobilities_within_mobilities_follow_their_temperature() -> None:
+    T = [[0, 1000.0], [1, 2000.0], [10, 2000.0]]
+    inner = vv.ArrheniusMobility(base=1.0, activation=2e4, temperature=T)
+    nested = vv.ArrheniusMobility(base=inner, activation=1e4, temperature=500.0)
+    expected = np.exp(-2e4 / (8.31446261815324 * 2000)) * np.exp(-1e4 / (8.31446261815324 * 500))
+    assert nested.changes
+    assert nested.at(5.0).values(np.array(0.5)) == pytest.approx(expected)
