@@ -95,6 +95,17 @@ def test_contact_and_flow_go_on_with_another_number_of_processes(
     assert differences(tmp_path / "alone", tmp_path / "run") < 1e-11
 
 
+def test_a_limit_of_time_counts_by_the_clock_of_the_first_process(alone: Path, tmp_path: Path) -> None:
+    """It counts from the start of each process, and what was left differed: no such run began."""
+    torus(2, tmp_path / "long", "--until", "0.08", "--time-limit", "1:00:00")
+    assert differences(alone, tmp_path / "long") < 1e-12
+    over = launched(2, *TORUS, "--until", "0.08", "--time-limit", "0:00", "--out", str(tmp_path / "short"))
+    assert over.returncode == 75, over.stderr
+    assert over.stderr.count("the time given is nearly over at t = ") == 1
+    torus(2, tmp_path / "short", "--until", "0.08", "--resume")
+    assert differences(alone, tmp_path / "short") < 1e-12
+
+
 def test_options_of_petsc_come_from_the_command_line(alone: Path, tmp_path: Path) -> None:
     for n in (0, 2):
         told = torus(
@@ -215,7 +226,7 @@ def run(until=0.1, moved=0.0, alike=(), **given):
 
 tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
          {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank},
-         {"time_limit": 100.0 + rank}, {"probe": f"place {rank}"}, {}]
+         {"time_limit": 100.0 if rank else None}, {"probe": f"place {rank}"}, {}, {"time_limit": 100.0 + rank}]
 for given in tried:
     try:
         (record if given.keys() & {"every", "time_limit", "probe"} else run)(**given)
@@ -241,12 +252,12 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
         "march: until is 0.1 in process 0, 0.15",
         "Solid 'bar': state of position (unknowns from 0 on) is array(",
         "run: every is 1 in process 0, 2 in process 1.",
-        "run: time_limit is 100 in process 0, 101 in process 1.",
+        "run: has_limit is False in process 0, True in process 1.",
         "run: probes is ['place 0'] in process 0, ['place 1'] in process 1.",
     )
     for line, begins in zip(told, beginnings, strict=False):
         assert line.startswith(f"processes differ: {begins}"), line
-    assert told[len(beginnings) :] == ["went on"]
+    assert told[len(beginnings) :] == ["went on"] * 2
 
 
 SETS = """

@@ -90,7 +90,7 @@ def run(
         it that no two runs write into one directory.
     time_limit : float
         Seconds by the clock after which the run has to be over, its state saved: it stops where another step might take
-        too long.
+        too long. Of several processes those of the first one count.
     profile : bool
         Time the phases of the run, for the summary.
     compress : bool
@@ -126,14 +126,13 @@ def run(
     from visviva.study.recorder import Cadence, Recorder
 
     refuse_unaware()
-    deadline = None if time_limit is None else Deadline(positive("run", "time_limit", time_limit))
     refuse_mixed(resume, force, overwrite)
     refuse_paces(save_every, frames_per_second)
     settle_times(study)
     system = study.system
-    refuse_other_records(
-        study, str(directory), every=every, save_every=save_every, time_limit=time_limit, resume=resume
-    )
+    recorded = {"every": every, "save_every": save_every, "resume": resume}
+    refuse_other_records(study, str(directory), time_limit, **recorded)
+    deadline = end_of(time_limit)
     chosen, said = None if every is None else Cadence.all(every), dict(notes or {})
     if resume:
         files = RunDirectory.open(directory)
@@ -201,10 +200,18 @@ def refuse_paces(save_every: float, frames_per_second: float) -> None:
     positive("run", "frames_per_second", frames_per_second)
 
 
-def refuse_other_records(study: Study, directory: str, **wishes: object) -> None:
+def refuse_other_records(study: Study, directory: str, time_limit: float | None, **wishes: object) -> None:
     """Refuse runs that other processes are to record otherwise."""
-    recorded = {"directory": directory, "probes": list(study.probes), "fields": study.fields}
-    agreement.refuse_different_arguments("run", until=study.until, step=study.step, **recorded, **wishes)
+    recorded = {"directory": directory, "probes": list(study.probes), "has_limit": time_limit is not None}
+    wishes |= recorded | {"fields": study.fields}
+    agreement.refuse_different_arguments("run", until=study.until, step=study.step, **wishes)
+
+
+def end_of(time_limit: float | None) -> Deadline | None:
+    """The end of the time given; of several processes that of the first one, by its clock."""
+    if time_limit is None:
+        return None
+    return Deadline(positive("run", "time_limit", world().first(time_limit)))
 
 
 def settle_times(study: Study) -> None:
