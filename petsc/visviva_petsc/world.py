@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import os
 import re
 import sys
@@ -15,6 +16,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from visviva.base import errors
 from visviva.base.errors import InputError
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
@@ -23,7 +25,8 @@ from visviva_petsc.window import LENGTH, Window
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CLASS = re.compile(r"^visviva\.[\w.]+: ")
+RAISED = re.compile(r"Traceback [^\n]*\n(?:  [^\n]*\n)*(\w+)(?:: (.*))?", re.DOTALL)
+"""What the core knows of an error of Python: where it comes from, its class and what it says."""
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""
 ASKED = 20
@@ -244,12 +247,26 @@ class Owners:
         values[self.order] = self.found
 
     def tell(self, words: str, number: int) -> tuple[str, int]:
-        """Words and a number of the first process that has words; of errors of Python the last line says what it is."""
-        lines = words.strip().splitlines()
-        all_of_them = self.world.joint("tell why it failed").allgather(
-            (CLASS.sub("", lines[-1]) if lines else "", number)
-        )
-        return next((told for told in all_of_them if told[0]), ("", -1))
+        """Words and a number of the first process that has words.
+
+        Raises
+        ------
+        Exception
+            What that one has raised, of the same class, if this one has raised none such: scripts may catch it.
+        """
+        raised = RAISED.fullmatch(words.strip())
+        kind, text = (raised[1], raised[2] or "") if raised else ("", words.strip())
+        all_of_them = self.world.joint("tell why it failed").allgather((kind, text, number))
+        found = next((told for told in all_of_them if told[0] or told[1]), ("", "", -1))
+        if found[0] not in ("", kind):
+            raise class_of(found[0])(found[1])
+        return found[1:]
+
+
+def class_of(name: str) -> type[BaseException]:
+    """Class of errors of visviva or of Python, by its name; what scripts raise themselves is a `RunError` elsewhere."""
+    found = getattr(errors, name, getattr(builtins, name, None))
+    return found if isinstance(found, type) and issubclass(found, BaseException) else errors.RunError
 
 
 def owners(comm: Any, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:

@@ -418,6 +418,51 @@ def test_why_another_process_has_failed_is_told(kind: str, words: str, tmp_path:
     assert kind == "raises" or two.stdout == one.stdout
 
 
+CAUGHT = """
+import sys
+
+import numpy as np
+import visviva as vv
+from visviva.base.world import world
+
+kinds = {"key": KeyError, "run": vv.RunError, "input": vv.InputError, "memory": MemoryError, "exit": SystemExit,
+         "value": ValueError}
+
+
+def run(kind):
+    def traction(t, X):
+        if kind and t > 0.06 and X[:, 0].max() > 3:  # cells of one process
+            raise kinds[kind]("late\\nand in two lines")
+        return np.zeros_like(X)
+
+    block = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(8, 2, 2)), density=1.0, angular_velocity=(0, 0, 1),
+                     material=vv.NeoHooke(young=100.0, poisson=0.3), name="block")
+    system = vv.System([block, vv.Traction(solid=block, faces="x1", traction=traction)])
+    vv.simulate(system, until=0.1, step=0.05)
+    return "went on"
+
+
+for kind in (*kinds, ""):
+    try:
+        told = run(kind)
+    except (Exception, SystemExit) as error:
+        told = f"{kind}: {type(error).__name__}: {error!s}".replace("\\n", " ")
+    those = world().together(told)
+    if world().rank == 0:
+        print(*dict.fromkeys(those), sep="; ")
+"""
+
+
+def test_what_a_function_raises_in_one_process_all_may_catch(tmp_path: Path) -> None:
+    """For the others the step had failed: they halved it, and waited for one that had caught the error and went on."""
+    (tmp_path / "caught.py").write_text(CAUGHT)
+    one, two = (launched(n, str(tmp_path / "caught.py"), limit=120) for n in (0, 2))
+    assert one.returncode == two.returncode == 0, two.stderr
+    assert one.stdout.splitlines()[-1] == "went on"
+    assert "key: RunError: Traction: its traction raised KeyError" in one.stdout
+    assert two.stdout == one.stdout
+
+
 COUNTS = """
 import sys
 
