@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -258,6 +259,89 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
     for line, begins in zip(told, beginnings, strict=False):
         assert line.startswith(f"processes differ: {begins}"), line
     assert told[len(beginnings) :] == ["went on"] * 2
+
+
+FOUND = """
+import sys
+from pathlib import Path
+
+import visviva as vv
+from visviva.base.world import world
+from visviva.output.lock import locked
+from visviva.output.tables import Table
+
+place, is_first = Path(sys.argv[1]), world().rank == 0
+
+
+def run(name, until=0.2, **given):
+    block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                     density=1.0, angular_velocity=(0, 0, 1), name="block")
+    study = vv.Study(vv.System([block]), until, 0.05, title="block")
+    try:
+        vv.run(study, place / name, pictures=False, progress=False, every=1, **given)
+        told = "went on"
+    except vv.VisvivaError as error:
+        told = f"{type(error).__name__}: {error}"
+    those = world().together(told.replace(str(place), "..."))
+    if is_first:
+        print(*dict.fromkeys(those), sep="; ")
+
+
+append, left = Table.append, [4]
+
+
+def full(self, row):
+    left[0] -= 1
+    if left[0] < 0:
+        raise vv.RunError("cannot write: the disk is full")
+    append(self, row)
+
+
+run("run")
+run("run")
+if is_first:
+    (place / "file").write_text("of somebody")
+run("file")
+run("run", until=0.1, resume=True)
+if is_first:
+    with open(place / "run" / "ledger.csv", "r+") as file:
+        file.write("damaged")
+run("run", until=0.4, resume=True)
+if is_first:
+    with locked(place / "run"):
+        run("run", overwrite=True)
+else:
+    run("run", overwrite=True)
+if is_first:
+    Table.append = full
+run("full")
+Table.append = append
+run("full", resume=True)
+"""
+
+
+def test_what_the_first_process_finds_in_a_directory_all_may_catch(tmp_path: Path) -> None:
+    """It was raised there alone; the first one went on, and was ended for it."""
+    (tmp_path / "found.py").write_text(FOUND)
+    told = []
+    for n in (0, 2):
+        (tmp_path / str(n)).mkdir()
+        done = launched(n, str(tmp_path / "found.py"), str(tmp_path / str(n)), limit=200)
+        assert done.returncode == 0, done.stderr
+        told.append(re.sub(r"process \d+ on \S+", "process", done.stdout).splitlines())
+    words = (
+        "went on",
+        "already holds a run",
+        "cannot be written",
+        "is before t = 0.2",
+        "ledger.csv",
+        "is being written",
+    )
+    for line, word in zip(
+        told[0], (*words, "the disk is full; the run can be resumed", "went on"), strict=True
+    ):
+        assert word in line
+    assert told[1] == told[0]
 
 
 SETS = """

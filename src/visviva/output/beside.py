@@ -6,6 +6,8 @@ from collections.abc import Callable
 from queue import Queue
 from threading import Thread
 
+from visviva.base.world import by_first
+
 Work = Callable[[], None]
 
 
@@ -83,3 +85,52 @@ class Beside:
                 self._failure = failure
             finally:
                 self._waiting.task_done()
+
+
+class Outbox:
+    """Hands work on to who does it; of what fails there all processes hear together.
+
+    Attributes
+    ----------
+    by : AtOnce or Beside
+        Who does it.
+
+    Examples
+    --------
+    >>> outbox = Outbox()
+    >>> outbox.do(lambda: print("written"))
+    written
+    >>> outbox.check()
+    """
+
+    def __init__(self) -> None:
+        self.by: AtOnce | Beside = AtOnce()
+        self._failure: Exception | None = None
+
+    def do(self, work: Work) -> None:
+        """Have it done after all that came before."""
+        try:
+            self.by.do(work)
+        except Exception as failure:  # whatever it is, others would wait for what comes after
+            self._failure = self._failure or failure
+
+    def check(self) -> None:
+        """Raise in all processes what has failed in the first one since the last look."""
+        by_first("write what is due", self._refuse)
+
+    def wait(self) -> None:
+        """Wait until all is done, and raise what has failed."""
+        by_first("finish writing", self._settle)
+
+    def close(self) -> None:
+        """Do what is left."""
+        self.by.close()
+
+    def _refuse(self) -> None:
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+    def _settle(self) -> None:
+        self._refuse()
+        self.by.wait()

@@ -189,13 +189,10 @@ class RunDirectory:
         with locked(self.path) if lock else nullcontext():
             yield
 
-    @contextmanager
-    def beginning(self) -> Iterator[None]:
-        """Mark what is written inside as a run that has yet to save its first state."""
+    def begin(self) -> None:
+        """Mark what is written from now on as a run that has yet to save its first state."""
         with reporting(self.starting):
             self.starting.touch()
-        yield
-        self.starting.unlink()
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
         """Write the figures of the run as JSON; numbers and arrays of numpy are welcome.

@@ -3,46 +3,22 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.analysis.march import begin
-from visviva.base.world import world
-from visviva.output.directory import RunDirectory
+from visviva.base.world import by_first, world
 from visviva.output.states import StateFile
 from visviva.output.tables import Table
-from visviva.study import restart
 from visviva.study.forecast import Forecast
-from visviva.study.origin import Origin
-from visviva.study.recorder import Cadence, Recorder
-from visviva.study.study import Study, measure, probe_columns
+from visviva.study.recorder import Recorder
+from visviva.study.study import measure
 
 Array = NDArray[np.float64]
 
 
 class Follower(Recorder):
     """Takes part in all that is evaluated for the files of a run, which the first process writes."""
-
-    def open(self, overwrite: bool) -> None:
-        """Evaluate what the first process writes at the start."""
-        probe_columns(self.study)
-        self.write_row(np.zeros(0))
-        self.write_frame()
-        self.save()
-
-    @classmethod
-    def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
-        """Go to the last state that the first process has saved."""
-        kept = restart.notes_of(files.state)
-        changed = Origin.read(files).resumed(files, study, force)[1]
-        result, books = begin(study.system, study.scheme, project=True, step=study.step)
-        restart.load(files.state, result, books, bool(changed))
-        probe_columns(study)
-        follower = cls(study, files, result, books, Origin({}, []))
-        follower.cadence, follower.saved_time = Cadence(**kept["cadence"]), study.system.time
-        return follower
 
     def keep(self) -> None:
         """States are in the files."""
@@ -64,6 +40,7 @@ class Follower(Recorder):
         """Evaluate what belongs to the state."""
         with suppress(Exception):  # as where it is written
             self.study.system.forces_of_step()
+        self.outbox.check()
         self.saved_time = self.study.system.time
 
     def __enter__(self) -> Follower:
@@ -77,6 +54,7 @@ class Follower(Recorder):
     def finish(self) -> None:
         """The first process writes the summary; what it has kept is read from its files from now on."""
         of_states, of_ledger = world().first(None)
+        by_first("write the summary", lambda: None)
         files, result, ledger = self.files, self.result, self.books.ledger
         shapes = [r.shape for r in result.records[0]]
         result.kept = StateFile.written(files.states, len(self.study.system.x), shapes, of_states)

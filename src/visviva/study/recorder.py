@@ -18,16 +18,14 @@ from visviva.analysis.march import advance, begin, present
 from visviva.base.arguments import whole
 from visviva.base.deadline import Deadline, TimeLimit
 from visviva.base.errors import InputError, RunError, VisvivaError
-from visviva.base.threads import use_threads
-from visviva.base.world import world
-from visviva.output.beside import AtOnce, Beside
+from visviva.base.world import by_first, world
+from visviva.output.beside import Beside, Outbox
 from visviva.output.checkpoint import Record
 from visviva.output.directory import RunDirectory
 from visviva.output.labels import Labels
 from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.output.vtkhdf import TrajectoryWriter
-from visviva.results.audit import figures
 from visviva.results.ledger import Bookkeeper
 from visviva.results.naming import labels_of, ledger_units, up_of, with_clock
 from visviva.results.result import Result
@@ -38,6 +36,7 @@ from visviva.study.profile import Profile
 from visviva.study.progress import progress_bar
 from visviva.study.shown import draw
 from visviva.study.study import Study, measure, probe_columns
+from visviva.study.summary import steps_of, summary
 
 Array = NDArray[np.float64]
 
@@ -82,15 +81,6 @@ class Cadence:
         return Cadence(every, every, every)
 
 
-def steps_of(study: Study) -> dict[str, Any]:
-    """Time stepping of a study."""
-    return {
-        "step": study.step,
-        "scheme": str(study.scheme),
-        "adaptive": study.adaptive and str(study.adaptive),
-    }
-
-
 class Recorder:
     """The files of a run and what goes into them while it marches."""
 
@@ -109,7 +99,7 @@ class Recorder:
         self.saved_time: float | None = None  # of the state from which the run can be resumed
         self._saved = 0.0
         self._cost = 0.0
-        self.outbox: AtOnce | Beside = AtOnce()
+        self.outbox = Outbox()
         self.trajectory: TrajectoryWriter | None = None
         self.profile: Profile | None = None  # if somebody wants to know
 
@@ -134,10 +124,20 @@ class Recorder:
 
     def open(self, overwrite: bool) -> None:
         """Open the files of a new run and write the initial state into them."""
-        study, files, books = self.study, self.files, self.books
-        columns = probe_columns(study)
-        self.files = self.result.directory = RunDirectory.create(files.path, overwrite)
-        with files.beginning(), self.closed_on_failure():
+        columns = probe_columns(self.study)
+        by_first(f"begin a run in {self.files.path}", partial(self._make, columns, overwrite))
+        with self.closed_on_failure():
+            self.write_all(self.books.ledger.rows.pop(), (True, True, True))
+            self.books.ledger.file = self.ledger
+            self.save()
+            by_first("write the first state", lambda: self.files.starting.unlink())
+
+    def _make(self, columns: Mapping[str, str], overwrite: bool) -> None:
+        """Make directory and files of a new run."""
+        study, books = self.study, self.books
+        self.files = self.result.directory = files = RunDirectory.create(self.files.path, overwrite)
+        with self.closed_on_failure():
+            files.begin()
             self.origin.write(files)
             labels = self.write_labels(columns)
             self.ledger = Table(
@@ -149,10 +149,6 @@ class Recorder:
                 self.trajectory = TrajectoryWriter(files.trajectory, self.drawing.surfaces, n_frames, labels)
             shapes = [r.shape for r in self.result.records[0]]
             self.result.kept = self.states = StateFile(files.states, len(study.system.x), shapes)
-            first_row = books.ledger.rows.pop()
-            self.write_all(first_row, (True, True, True))
-            books.ledger.file = self.ledger
-            self.save()
 
     @classmethod
     def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
@@ -173,28 +169,33 @@ class Recorder:
             recorder.notes |= notes
             origin.forced.append({"time": now, "changes": changed})
         recorder.rows, recorder.saved_time = kept["rows"], now
-        with recorder.closed_on_failure():
-            rows, sums = recorder.rows, kept["checksums"]
-            recorder.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
-            columns = probe_columns(study)
-            recorder.probes = Table.reopen(files.probes, list(columns), rows, sums["probes"])
-            books.ledger.file, shapes = recorder.ledger, [r.shape for r in result.records[0]]
-            recorder.states = StateFile.reopen(
+        columns = probe_columns(study)
+        by_first(f"go on with the run in {files.path}", partial(recorder._reopen, kept, columns, changed))
+        return recorder
+
+    def _reopen(self, kept: Mapping[str, Any], columns: Mapping[str, str], changed: Sequence[str]) -> None:
+        """Open the files at the last saved state, of which this is `kept`."""
+        study, files, books, result = self.study, self.files, self.books, self.result
+        rows, sums = self.rows, kept["checksums"]
+        with self.closed_on_failure():
+            self.ledger = Table.reopen(files.ledger, books.ledger.names, rows, sums["ledger"])
+            self.probes = Table.reopen(files.probes, list(columns), rows, sums["probes"])
+            books.ledger.file, shapes = self.ledger, [r.shape for r in result.records[0]]
+            self.states = StateFile.reopen(
                 files.states, len(study.system.x), shapes, kept["states"], sums["states"]
             )
-            result.kept, result.directory = recorder.states, recorder.files
+            result.kept, result.directory = self.states, files
             books.ledger.rows.clear()
-            if recorder.drawing.surfaces:
-                recorder.trajectory = TrajectoryWriter.reopen(files.trajectory, recorder.clock)
-                if recorder.trajectory.n_steps != kept["frames"]:
+            if self.drawing.surfaces:
+                self.trajectory = TrajectoryWriter.reopen(files.trajectory, self.clock)
+                if self.trajectory.n_steps != kept["frames"]:
                     raise InputError(
-                        f"{files.trajectory}: is damaged ({recorder.trajectory.n_steps} frames up to t = {now:g}, "
-                        f"{kept['frames']} were written); put back a copy, or start anew"
+                        f"{files.trajectory}: is damaged ({self.trajectory.n_steps} frames up to t = "
+                        f"{study.system.time:g}, {kept['frames']} were written); put back a copy, or start anew"
                     )
             if changed:  # last of all: what is refused leaves no trace
-                origin.write(files)
-            recorder.write_labels(columns)
-        return recorder
+                self.origin.write(files)
+            self.write_labels(columns)
 
     def write_labels(self, columns: Mapping[str, str]) -> Labels:
         """Note names and units of what the files hold."""
@@ -217,7 +218,7 @@ class Recorder:
     def __enter__(self) -> Recorder:
         assert self.states is not None
         if self.states.n_bytes + (self.trajectory.n_bytes if self.trajectory else 0) >= WORTH:
-            self.outbox = Beside()
+            self.outbox.by = Beside()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -288,6 +289,7 @@ class Recorder:
             self.write_row(row)
         if frame:
             self.write_frame()
+        self.outbox.check()
         self.is_written = True
 
     def keep(self) -> None:
@@ -338,6 +340,7 @@ class Recorder:
         }
         records = restart.records_of(self.result, self.books)
         self.outbox.do(partial(self.write_state, records, notes, study.system.time, start))
+        self.outbox.check()
         self._saved = time.perf_counter()
 
     def write_state(self, records: list[Record], notes: dict[str, Any], now: float, start: float) -> None:
@@ -390,38 +393,6 @@ class Recorder:
         origin: dict[str, Any] = {"untold_arguments": self.origin.untold, "forced": self.origin.forced}
         if self.profile is not None:
             origin["profile"] = self.profile.figures()
-        files.write_summary(summary(study, self.result, self.notes | origin))
-
-
-def summary(study: Study, result: Result, notes: Mapping[str, Any]) -> dict[str, Any]:
-    """Figures of a run, for its summary."""
-    import platform
-
-    import scipy
-
-    from visviva import __version__, _core
-
-    system, numbers = study.system, figures(result)
-    return {
-        "title": study.title,
-        **notes,
-        "until": study.until,
-        **steps_of(study),
-        "unknowns": len(system.x),
-        **numbers,
-        "degrees_of_freedom": system.report and system.report.degrees_of_freedom,
-        "initial_state_moved": system.report and system.report.moves,
-        "redundant_constraints": system.report and len(system.report.redundant),
-        "end_time": system.time,
-        "last_step": system.gauges(),
-        "solver": system.core.solver,
-        "threads": use_threads(),
-        "newton": asdict(system.newton),
-        "versions": {
-            "visviva": __version__,
-            "instruction_set": _core.instruction_set(),
-            "python": platform.python_version(),
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-        },
-    }
+        by_first(
+            "write the summary", lambda: files.write_summary(summary(study, self.result, self.notes | origin))
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from visviva.base.deadline import Deadline
 from visviva.base.errors import InputError
 from visviva.base.interrupt import deferred_interrupt
 from visviva.base.processes import refuse_unaware
-from visviva.base.world import world
+from visviva.base.world import by_first, world
 from visviva.output.directory import RunDirectory
 from visviva.results.result import Result
 from visviva.study.profile import Profile, profile_text
@@ -141,7 +141,8 @@ def run(
         files = RunDirectory(Path(directory))
     is_first = world().rank == 0  # which writes
     recording: type[Recorder] = Recorder if is_first else Follower
-    with files.writing(lock) if is_first else nullcontext():
+    with ExitStack() as held:
+        by_first(f"write into {directory}", lambda: held.enter_context(files.writing(lock)))
         if resume:
             recorder = recording.resume(study, files, force, said)
             recorder.cadence = chosen or recorder.cadence
