@@ -84,6 +84,12 @@ def refuse_different(components: Sequence[Component], newton: Newton) -> None:
     compare(told_components(components, names, untold), to, lambda: variables_of(components, names))
 
 
+def refuse_different_newton(newton: Newton) -> None:
+    """Refuse options of the solver of which another process has others: they would take other iterations."""
+    if world().size > 1:
+        compare({"Newton": told("", arguments_of(newton), {}, [])}, "choose options of Newton's method")
+
+
 def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None:
     """Refuse unknowns (n,) and rates (n,) of which another process has others; random ones have no seed."""
     if world().size == 1:

@@ -236,6 +236,7 @@ class System(metaclass=Named):
     @newton.setter
     def newton(self, newton: Newton) -> None:
         refuse_other("System", "newton", newton, Newton, "Newton(...)")
+        agreement.refuse_different_newton(newton)
         if newton.null_space != self._newton.null_space:
             raise InputError(
                 "Newton(null_space=...) is chosen when a system is made: System(components, newton=...)"
