@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from functools import partial, wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +17,7 @@ from visviva.base.deadline import left_of
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
 from visviva.base.processes import is_first
-from visviva.base.world import World, joined, world
+from visviva.base.world import World, by_first, joined, world
 from visviva.cli_options import (
     Compress,
     Every,
@@ -69,8 +70,20 @@ app = App(
 )
 if hasattr(app, "register_install_completion_command"):  # since Cyclopts 4
     app.register_install_completion_command()
+
+
+def alone(shows: Callable[..., None]) -> Callable[..., None]:
+    """The same command, which of several processes the first one does: two that write one file break it."""
+
+    @wraps(shows)
+    def shown(*given: Any, **more: Any) -> None:
+        by_first(shows.__name__, partial(shows, *given, **more))
+
+    return shown
+
+
 for shows in (plot, movie, picture, html, export, view):
-    app.command(shows)
+    app.command(alone(shows))
 
 
 @app.command

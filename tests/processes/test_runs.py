@@ -107,6 +107,17 @@ def test_a_limit_of_time_counts_by_the_clock_of_the_first_process(alone: Path, t
     assert differences(alone, tmp_path / "short") < 1e-12
 
 
+def test_what_is_shown_of_a_run_one_process_draws(alone: Path, tmp_path: Path) -> None:
+    """Each wrote the same file: what one had put aside the other replaced."""
+    for _ in range(3):
+        done = launched(2, "-m", "visviva", "plot", str(alone), "--out", str(tmp_path))
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count("probes.png") == 1
+    refused = launched(2, "-m", "visviva", "plot", str(tmp_path / "nothing"))
+    assert refused.returncode == 2
+    assert refused.stderr.count("holds no run") == 1
+
+
 def test_options_of_petsc_come_from_the_command_line(alone: Path, tmp_path: Path) -> None:
     for n in (0, 2):
         told = torus(
@@ -218,10 +229,12 @@ def record(probe="place", **given):
     return vv.run(study, sys.argv[1], progress=False, **given)
 
 
-def run(until=0.1, moved=0.0, alike=(), newton=None, **given):
+def run(until=0.1, moved=0.0, alike=(), newton=None, relaxed=None, **given):
     system = vv.System([bar(**given), *(bar(100.0 * k, f"bar {k}") for k in alike)])
     if newton is not None:
         system.newton = vv.Newton(tolerance=newton)
+    if relaxed is not None:
+        return vv.equilibrium(system, until=relaxed)
     system.x[0] += moved
     system.invalidate()
     return vv.simulate(system, until=until, step=0.05)
@@ -229,7 +242,7 @@ def run(until=0.1, moved=0.0, alike=(), newton=None, **given):
 
 tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
          {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank},
-         {"newton": 1e-6 if rank else 1e-12},
+         {"newton": 1e-6 if rank else 1e-12}, {"relaxed": 1.0 + rank},
          {"time_limit": 100.0 if rank else None}, {"probe": f"place {rank}"}, {}, {"time_limit": 100.0 + rank}]
 for given in tried:
     try:
@@ -257,6 +270,7 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
         "Solid 'bar': state of position (unknowns from 0 on) is array(",
         "run: every is 1 in process 0, 2 in process 1.",
         "Newton: tolerance is 1e-12 in process 0, 1e-06 in process 1.",
+        "equilibrium: until is 1 in process 0, 2 in process 1.",
         "run: has_limit is False in process 0, True in process 1.",
         "run: probes is ['place 0'] in process 0, ['place 1'] in process 1.",
     )

@@ -14,6 +14,7 @@ from visviva.base.errors import InputError, RunError
 from visviva.results.ledger import Bookkeeper
 from visviva.results.result import Result
 from visviva.scheme.schemes import NONE, Scheme, Table, load_step
+from visviva.system.agreement import refuse_different_arguments
 from visviva.system.freedom import refuse_free, refuse_insulated
 from visviva.system.instant import Instant, instant
 from visviva.system.memory import returning
@@ -111,6 +112,7 @@ def equilibrium(
     steps, most = whole("equilibrium", "steps", steps), whole("equilibrium", "most", most)
     if until is not None and not until > system.time:
         raise InputError(f"end time until = {until} is not after the present time {system.time:g}")
+    refuse_different_arguments("equilibrium", until=until, steps=steps)
     for history in (system.v, system.core.a, system.core.w):
         history[:] = 0.0
     system.invalidate()
