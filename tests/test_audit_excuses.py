@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import visviva as vv
 from visviva.model.term import Stencils, Term
 from visviva.results.audit import energy_verdict
+from visviva.study.run import run
 
 WELL = vv.DoubleWell(barrier=1.0)
 SQUARE = vv.RectangleMesh(size=(1, 1), counts=(2, 2))
@@ -443,3 +445,48 @@ def test_rounding_of_small_strains_is_nothing_that_lacks(load: float) -> None:
     pull = vv.Traction(solid=solid, faces="x1", traction=(load, load, 0), times="t")
     system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), pull])
     assert not energy_verdict(vv.quasi_static(system, until=1.0, step=0.5)).startswith("WRONG")
+
+
+def heated_beside(ground: vv.Ground) -> list[Any]:
+    """Steel that is given 1000 of heat."""
+    mesh = vv.BoxMesh(size=(0.1, 0.1, 0.1), counts=(1, 1, 1))
+    body = vv.ThermalBody(mesh=mesh, conductivity=50.0, capacity=460.0, density=7800.0, temperature=300.0)
+    return [body, vv.HeatFlux(body=body, faces="x1", flux=1e5)]
+
+
+def driven_beside(ground: vv.Ground) -> list[Any]:
+    """An arm that a motor gives 176."""
+    arm = vv.RigidBody(shape=vv.Box(size=(1, 0.1, 0.1)), density=1000.0, position=(0.5, 3, 0))
+    axle = vv.Revolute(a=ground, b=arm, at=(0, 3, 0), axis=(0, 1, 0), angle=True)
+    return [arm, axle, vv.Motor(joint=axle, motion="5*t**2")]
+
+
+@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha()], ids=str)
+@pytest.mark.parametrize("beside", [heated_beside, driven_beside])
+def test_what_is_brought_excuses_no_gain_of_what_does_not_hang_together_with_it(
+    scheme: vv.Scheme, beside: Callable[[vv.Ground], list[Any]]
+) -> None:
+    """Of a ball on a spring whose load is booked, or only to seven tenths"""
+    for share in (0.0, 0.3):
+        parts = drawn(share)
+        system = vv.System([*parts, *beside(parts[0])])
+        verdict = energy_verdict(vv.simulate(system, until=1.0, step=0.01, scheme=scheme))
+        assert verdict.startswith("WRONG") == (share > 0)
+        assert ("PointMass 'pointmass-1', " in verdict) == (share > 0)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_gains_before_a_run_was_resumed_are_known(share: float, tmp_path: Path) -> None:
+    """As in one run, to the last bit."""
+    spans = []
+    for ends in ((1.0,), (0.7, 1.0)):
+        directory = tmp_path / str(len(ends))
+        for until in ends:
+            parts = drawn(share)
+            system = vv.System([*parts, *heated_beside(parts[0])])
+            study = vv.Study(system, until=until, step=0.05, scheme=vv.BDF2())
+            result = run(study, directory, resume=until > ends[0], pictures=False)
+        assert energy_verdict(result).startswith("WRONG") == (share > 0)
+        assert result.ledger.sizes.groups is not None
+        spans.append(result.ledger.sizes.groups.span)
+    assert np.array_equal(*spans)

@@ -221,6 +221,8 @@ def energy_verdict(result: Result) -> str:
         return "conserved as well as the tolerances of the solvers allow"
     if not scheme.has_inertia:
         return statics_verdict(result, max(gained, lost))
+    if scheme.dissipates and (gaining := next(alone(ledger), "")):
+        return gaining
     if excuse := next(excuses(result, gained, lost), ""):
         return excuse
     if scheme.conserves_energy:
@@ -266,6 +268,20 @@ def statics_verdict(result: Result, missed: float) -> str:
 def exempted(why: Mapping[Component, str]) -> str:
     """Verdict on a balance that components have no accounts for."""
     return f"not meant to be exact: {', '.join([f'{c.label} {said}' for c, said in why.items()][:NAMED])}"
+
+
+def alone(ledger: Ledger) -> Iterator[str]:
+    """What gained energy though nothing was done to it that brings that about, whatever was done elsewhere."""
+    if ledger.sizes.groups is None:
+        return
+    for members, gained, lost, brought in ledger.sizes.groups.balances():
+        if gained > max(SUMMED * brought, OVERSHOOT * lost) + CONSERVED * ledger.energy_scale:
+            named = ", ".join(c.label for c in members[:NAMED]) + (", ..." if len(members) > NAMED else "")
+            yield (
+                "WRONG, as this scheme is to dissipate energy, and there was more than before, by "
+                f"{told(gained / ledger.energy_scale)}, of what hangs together with nothing else ({named}): the work "
+                "of some force is not booked, or take shorter steps"
+            )
 
 
 def excuses(result: Result, gained: float, lost: float) -> Iterator[str]:

@@ -18,6 +18,7 @@ from visviva.output.labels import with_unit
 from visviva.output.numbers_out import dataframe, write_table
 from visviva.output.tables import Table
 from visviva.results.entropy import EntropyBooks, EntropyColumns
+from visviva.results.groups import Groups
 from visviva.results.lags import Lag, lags_of
 from visviva.results.missed import Missed
 from visviva.results.spread import Spread, unbooked
@@ -64,6 +65,8 @@ class Sizes:
         that was read.
     missed : Missed, optional
         What sums over load steps missed so far.
+    groups : Groups, optional
+        What does not hang together gained, of runs in time.
     lags : tuple of Lag
         What fluid within rigid bodies lacks of their motion, of each.
     """
@@ -76,6 +79,7 @@ class Sizes:
     spread: Spread = field(default_factory=Spread.empty)
     unbooked: Spread = field(default_factory=Spread.empty)
     missed: Missed | None = None
+    groups: Groups | None = None
     lags: tuple[Lag, ...] = ()
 
 
@@ -324,6 +328,7 @@ class Bookkeeper:
         self.entropy = EntropyBooks(system.model, system.scale)
         self._held = None if system.has_inertia else held(system)
         works = kinds("work", "dissipation") + ([] if self._held is None else [RELEASE])
+        lacking = unbooked(system.components)
         with undisturbed(system):
             sizes = Sizes(
                 mass,
@@ -331,8 +336,9 @@ class Bookkeeper:
                 *force_scale(system),
                 inner_potentials(system),
                 Spread.of_contents(system.model),
-                Spread.of(system.model, unbooked(system.components)),
+                Spread.of(system.model, lacking),
                 None if system.has_inertia else Missed(system),
+                Groups(system.model, lacking) if system.has_inertia else None,
                 lags_of(system),
             )
             columns = self.entropy.columns
@@ -377,6 +383,8 @@ class Bookkeeper:
         self.ledger.add(row)
         if (missed := self.ledger.sizes.missed) is not None:
             missed.add()
+        if (groups := self.ledger.sizes.groups) is not None:
+            groups.add(core)
         return row
 
 

@@ -6,6 +6,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from visviva.component.component import Component
 from visviva.component.momentum import EVERYWHERE, Axes
 from visviva.component.point import Point
@@ -65,17 +68,43 @@ def hanging_together(model: Model, some: Iterable[Owner]) -> set[int]:
     """
     if not (found := set(map(model.index, some))):
         return found
-    rest, neighbours = list(found), [set[int]() for _ in model.components]
+    rest, near = list(found), neighbours(model)
     found |= untold(model)
-    for k, others in enumerate(others_of(model)):
-        for other in others:
-            neighbours[k].add(other)
-            neighbours[other].add(k)
     while rest:
-        new = neighbours[rest.pop()] - found
+        new = near[rest.pop()] - found
         found |= new
         rest += new
     return found
+
+
+def groups(model: Model) -> NDArray[np.int64]:
+    """Of each component the number of the first that it hangs together with; across the ground goes nothing.
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> a, b, c = (vv.PointMass(mass=1.0, position=(x, 0, 0)) for x in (1, 2, 3))
+    >>> spring, push = vv.Spring(a=a, b=b, stiffness=1.0), vv.Force(on=c, force=(1, 0, 0))
+    >>> groups(vv.System([a, b, c, spring, push]).model).tolist()
+    [0, 0, 2, 0, 2]
+    """
+    near, found = neighbours(model), np.full(len(model.components), -1)
+    for k in range(len(near)):
+        rest = [k] if found[k] < 0 else []
+        while rest:
+            if found[one := rest.pop()] < 0:
+                found[one] = k
+                rest += near[one]
+    return found
+
+
+def neighbours(model: Model) -> list[set[int]]:
+    """Of each component the numbers of those that it refers to, or that refer to it."""
+    near = others_of(model)
+    for k, others in enumerate([set(those) for those in near]):
+        for other in others:
+            near[other].add(k)
+    return near
 
 
 def untold(model: Model) -> set[int]:

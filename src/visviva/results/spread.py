@@ -78,15 +78,16 @@ class Spread:
     @property
     def stored(self) -> float:
         """Greatest value of all steps less the least one, of all that is stored."""
-        return float(self._swings[: len(self._stored)].sum())
+        return float(self.swings[: len(self._stored)].sum())
 
     @property
     def done(self) -> float:
         """The same of all that was lost or brought."""
-        return float(self._swings[len(self._stored) :].sum())
+        return float(self.swings[len(self._stored) :].sum())
 
     @property
-    def _swings(self) -> Array:
+    def swings(self) -> Array:
+        """Greatest values of all steps less the least ones, by account."""
         least, greatest = self.span[1:] if len(self.span) else np.zeros((2, len(self._stored)))
         return np.asarray(greatest - least)
 
