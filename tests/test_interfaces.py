@@ -72,6 +72,90 @@ def test_units_of_the_composition_change_nothing(unit: float, own: bool) -> None
     )  # in unit 1 by the double well
 
 
+def roots(*found: float) -> vv.PolynomialEnergy:
+    """A polynomial with wells, each a double root."""
+    return vv.PolynomialEnergy(
+        coefficients=tuple(np.polynomial.Polynomial.fromroots(np.repeat(found, 2)).coef)
+    )
+
+
+@pytest.mark.parametrize(
+    ("start", "pair", "alone"),
+    [((0, 1), (0, 1), True), ((1.2, 2.8), (1, 3), True), ((0.4, 0.5), (0, 1), True), ((0, 3), (0, 1), False)],
+)
+def test_of_several_phases_those_of_the_start_are_taken(start: Any, pair: Any, alone: bool) -> None:
+    known = roots(0, 1, 3)
+    for energy in (known, vv.UserFreeEnergy(function=lambda c: c**2 * (c - 1) ** 2 * (c - 3) ** 2)):
+        found = interface(energy, 1.0, start)
+        assert found is not None
+        assert (found.low, found.high, found.alone) == (
+            pytest.approx(pair[0], abs=1e-9),
+            pytest.approx(pair[1]),
+            alone,
+        )
+
+
+def test_what_several_phases_mean_is_asked_for() -> None:
+    """About a middle well the start does not tell which of the others it is to meet."""
+    body = order(lambda X: 0.05 * np.sin(X[:, 0]), free_energy=roots(-1, 0, 1), gradient_energy=10.0)
+    with pytest.raises(vv.InputError, match=r"more phases than two, .* meet at the wall; give an energy"):
+        vv.Wetting(body=body, faces="y0", angle=60.0)
+    system = vv.System([body])
+    with pytest.raises(vv.InputError, match=r"more phases than two, .* give phases=\(low, high\)"):
+        vv.InterfaceArea(body=body)(system)
+    assert vv.InterfaceArea(body=body, phases=(0, 1))(system) > 0
+
+
+@pytest.mark.filterwarnings("ignore:divide by zero")
+@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.parametrize("start", [(-0.1, 0.1), (-0.74, 0.74)])
+def test_functions_are_looked_at_up_to_their_ends(start: tuple[float, float]) -> None:
+    """Ising's mean field ends at -1 and 1; its magnetisation is tanh of 1.5 times itself."""
+
+    def ising(m: Any) -> Any:
+        return -0.75 * m**2 + 0.5 * ((1 + m) * np.log(1 + m) + (1 - m) * np.log(1 - m))
+
+    found = interface(vv.UserFreeEnergy(function=ising), 1.0, start)
+    assert found is not None
+    assert (-found.low, np.tanh(1.5 * found.high)) == pytest.approx((found.high, found.high), rel=1e-9)
+
+
+@pytest.mark.parametrize("temperature", [900.0, 999.0, 999.9])
+def test_phases_near_the_critical_point(temperature: float) -> None:
+    """Of a regular solution: ``ln(c / (1 - c)) = 2 T_c / T (2 c - 1)``."""
+    R = 8.31446261815324
+    energy = vv.RegularSolution(temperature=temperature, excess=[2 * R * 1000], volume=R * 1000)
+    found = interface(energy, 1.0, (0.5, 0.5))
+    assert found is not None
+    c = found.high
+    assert np.log(c / (1 - c)) == pytest.approx(2000 / temperature * (2 * c - 1), rel=1e-9)
+    assert found.low == pytest.approx(1 - c)
+
+
+@pytest.mark.parametrize("wells", [1e4, 1e-9])
+def test_wells_of_functions_are_found_from_zero(wells: float) -> None:
+    energy = vv.UserFreeEnergy(function=lambda c: (1 - (c / wells) ** 2) ** 2)
+    for start in ((0.0, 0.0), (-0.01 * wells, 0.01 * wells)):
+        found = interface(energy, 1.0, start)
+        assert found is not None
+        assert (found.low / wells, found.high / wells) == pytest.approx((-1, 1))
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e-9])
+def test_steps_of_what_does_not_separate_follow_its_size(unit: float) -> None:
+    """Adaptive steps of plain diffusion from a wave: the same in every unit."""
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(4, 1), counts=(16, 2)),
+        free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, 0.5)),
+        gradient_energy=1e-6,
+        concentration=lambda X: unit * (1 + np.cos(np.pi * X[:, 0] / 4)),
+    )
+    system = vv.System([body])
+    result = vv.simulate(system, until=2.0, step=0.01, adaptive=vv.Adaptive(tolerance=1e-3), scheme=vv.BDF2())
+    assert np.ptp(body.values(system.x)) / unit == pytest.approx(2 * np.exp(-(np.pi**2) / 16 * 2), rel=0.02)
+    assert len(result.times) > 15
+
+
 def test_energies_without_a_barrier_have_no_phases() -> None:
     for energy in (
         vv.PolynomialEnergy(coefficients=(0.0, 1.0, 0.5)),

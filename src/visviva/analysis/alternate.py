@@ -93,20 +93,20 @@ class Alternation(Equilibrium):
 
     options: AlternateMinimization
     damages: NDArray[np.int32] = field(init=False)
-    accounts: list[tuple[NDArray[np.bool_], NDArray[np.bool_]]] = field(init=False)
-    """Of every component that cracks: all of its energies, and those that cracks release, without weights."""
+    accounts: list[tuple[NDArray[np.bool_], NDArray[np.bool_], bool]] = field(init=False)
+    """Of every component that cracks: all of its energies, those that cracks release, without weights, and whether its
+    energy falls in every round."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.damages = np.zeros(len(self.dx), dtype=np.int32)
-        fields = [growing.field for growing in self.system.model.growing]
-        for f in fields:
-            self.damages[f.unknowns] = 1
-        accounts = self.system.model.accounts
-        self.accounts = [
-            (np.array([a.component == k for a in accounts]), np.array([a.kind == "stored" for a in accounts]))
-            for k in dict.fromkeys(self.system.model.index(f.component) for f in fields)
-        ]
+        model = self.system.model
+        stored = np.array([a.kind == "stored" for a in model.accounts])
+        self.accounts = []
+        for growing in model.growing:
+            self.damages[growing.field.unknowns] = 1
+            k = model.index(growing.field.component)
+            self.accounts.append((np.array([a.component == k for a in model.accounts]), stored, growing.held))
 
     @contextmanager
     def _halted(self, unknowns: NDArray[np.int32]) -> Iterator[None]:
@@ -144,13 +144,15 @@ class Alternation(Equilibrium):
         )
 
     def _has_settled(self, before: Array, after: Array) -> bool:
-        """Whether a change of damages released next to nothing, in every component: none hides behind a larger one."""
-        for own, stored in self.accounts:
-            allowed = (
-                self.options.energy_tolerance * after[own & stored].sum()
-                + ROUNDING * np.abs(after[own]).sum()
-            )
-            if abs((before - after)[own].sum()) > allowed:
+        """Whether a change of damages released next to nothing, in every component: none hides behind a larger one.
+
+        Of history fields, which let energies rise, no energy may change: their sum passes zero on the way.
+        """
+        for own, stored, falls in self.accounts:
+            allowed = self.options.energy_tolerance * after[own & stored].sum()
+            allowed += ROUNDING * np.abs(after[own]).sum()
+            change = (before - after)[own]
+            if (abs(change.sum()) if falls else np.abs(change).sum()) > allowed:
                 return False
         return True
 

@@ -51,6 +51,13 @@ class Repeating:
     pairs: Sequence[tuple[str, str]]
 
 
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Values that a field of a body is held at from the start, of whatever size they are."""
+
+    values: NDArray[np.float64]
+
+
 def shared_numbers(model: Model, body: Meshed) -> NDArray[np.int64]:
     """Numbers (n,) of the nodes of a body in fields beside positions: those that stand for each other have one."""
     pairs = [pair for sides in model.announced(body, Repeating) for pair in sides.pairs]

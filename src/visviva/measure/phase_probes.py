@@ -69,6 +69,11 @@ class InterfaceArea(Reading):
                     "free energy alone does not tell its phases; give phases=(low, high), (0, 1) for grains"
                 )
         found = self.body.interface(system.time)
+        if found is not None and not found.alone:
+            raise InputError(
+                f"InterfaceArea: the free energy of {self.body.label} has more phases than two, and its start does not "
+                f"tell that those of {found.low:.4g} and {found.high:.4g} are meant; give phases=(low, high)"
+            )
         return None if found is None else (found.low, found.high)
 
 

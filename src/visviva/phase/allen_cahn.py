@@ -92,7 +92,7 @@ class AllenCahn(PhaseBody):
 
     def declare(self, model: Model) -> None:
         c = self.space.fitted(self.start_values)
-        self.phase = model.field(self, "order", c, role=Role.CONTENT, scale=self.scale)
+        self.phase = model.field(self, "order", c, role=Role.CONTENT, scale=self.scale_in(model, self))
         if self.conserved:
             self.load = model.field(self, "load", [0.0], role=Role.MULTIPLIER, instantaneous=False)
 
@@ -105,7 +105,7 @@ class AllenCahn(PhaseBody):
                 one = np.ones((table.size.shape[1], 1, 1))
                 groups.append(Group(np.full((len(table.numbers), 1), self.load.start), one))
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, 0.5 * self.scale)
+            term.limit(0, self.stride)
             self.drive(model, self, term)
 
     def rate_constraints(self, state: State) -> RateConstraints | None:

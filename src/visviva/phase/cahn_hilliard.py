@@ -120,7 +120,9 @@ class CahnHilliard(PhaseBody):
 
     def declare(self, model: Model) -> None:
         c = self.space.fitted(self.start_values)
-        self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.scale)
+        self.phase = model.field(
+            self, "concentration", c, role=Role.CONTENT, scale=self.scale_in(model, self)
+        )
         if self.form == "mixed":
             self.potential = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
             self.potential.beside = self.phase
@@ -133,7 +135,7 @@ class CahnHilliard(PhaseBody):
                 kind, weights = PhysicsKind.SMOOTH_MIXTURE, table.smooth_columns()
             groups = [self.group(f, table, weights) for f in (self.phase, self.potential) if f is not None]
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, 0.5 * self.scale)
+            term.limit(0, self.stride)
             self.drive(model, self, term)
 
     @property

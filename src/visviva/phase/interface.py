@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ SAMPLES = 4001
 """Compositions at which an energy is looked at."""
 FINE = 1000
 """Of these between the phases, at least."""
-WIDER = 30
+WIDER = 60
 """Times that the part where phases are looked for is doubled, unless they lie inside."""
 EDGE = 1e-9
 """Of logarithms that is left out."""
@@ -35,12 +36,18 @@ class Interface:
         Energy per area, ``integral of sqrt(2 kappa df) dc``.
     width : float
         ``(high - low) sqrt(kappa / (2 max df))``: of ``tanh(2 x / width)``.
+    alone : bool
+        Whether the start lies, or is nearest, to no other phases that the energy separates into.
+    alike : bool
+        Whether the gradient energy is the same in all directions of the mesh.
     """
 
     low: float
     high: float
     tension: float
     width: float
+    alone: bool = True
+    alike: bool = True
 
 
 def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | None:
@@ -48,7 +55,7 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
 
     Where phases are is told by the energy alone, if it is of logarithms, a double well, or another polynomial that is
     bounded below. For others they are looked for about `start`, the least and largest value at the start, and from 0 to
-    1, farther away as long as the energy falls there.
+    1, farther away as long as the energy falls there. Of several pairs it is that which the start lies in most.
 
     Examples
     --------
@@ -56,30 +63,51 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     >>> round(found.low, 3), round(found.high, 3), round(found.width, 3), round(found.tension, 3)
     (-1.0, 1.0, 2.0, 2.667)
     """
-    pair = phases(energy, start)
-    if pair is None:
+    pairs = phases(energy, start)
+    if not pairs:
         return None
+    shares = [shared(pair, start) for pair in pairs]
+    pair = pairs[int(np.argmax(shares))]
     c = np.linspace(*pair, SAMPLES)
     f = energy.values(c)
     df = f - np.interp(c, pair, f[[0, -1]])
     tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), c))
-    return Interface(*pair, tension, (pair[1] - pair[0]) * float(np.sqrt(gradient / (2 * df.max()))))
+    width = (pair[1] - pair[0]) * float(np.sqrt(gradient / (2 * df.max())))
+    most = max(shares)
+    others = [share for share in shares if share >= (0.1 * most if most > 0 else most - 0.1)]
+    return Interface(*pair, tension, width, len(others) == 1)
 
 
-def phases(energy: FreeEnergy, start: Pair) -> Pair | None:
-    """What an energy separates into."""
+def shared(pair: Pair, start: Pair) -> float:
+    """Which part of the way between phases a start has; less than 0 for one that is beside them."""
+    least, most = max(pair[0], start[0]), min(pair[1], start[1])
+    return (most - least) / (pair[1] - pair[0])
+
+
+def phases(energy: FreeEnergy, start: Pair) -> list[Pair]:
+    """Pairs that an energy separates into."""
     if isinstance(energy, DoubleWell):
-        return energy.low, energy.high
+        return [(energy.low, energy.high)]
     if energy.has_domain:
         low, high = energy.domain
-        return tangent(energy, low + EDGE, high - EDGE)
+        return tangents(energy, low + EDGE, high - EDGE)
     if not isinstance(energy, UserFreeEnergy) and is_bounded(energy):
         concave = spinodals(energy)
-        return concave and searched(energy, *concave)
-    size = 10 * float(np.abs(start).max())
-    return searched(energy, min(0.0, *start), max(1.0, *start)) or (
-        searched(energy, -size, size) if size else None
-    )
+        return searched(energy, *concave) if concave else []
+    for low, high in windows(start):
+        if found := searched(energy, low, high):
+            return found
+    return []
+
+
+def windows(start: Pair) -> list[Pair]:
+    """Where the phases of a function of the user may be, the likeliest first."""
+    least, most = start
+    size = max(abs(least), abs(most))
+    ways = [max(0.1 * (most - least), 0.01 * size), 0.1 * size, size] if size else []
+    sizes = [] if size else [10.0**k for k in (*range(-2, -22, -2), *range(2, 10, 2))]
+    about = [(least - way, most + way) for way in ways]
+    return [*about, (min(0.0, least), max(1.0, most)), *((-a, a) for a in sizes)]
 
 
 def is_bounded(energy: FreeEnergy) -> bool:
@@ -98,59 +126,64 @@ def spinodals(energy: FreeEnergy) -> Pair | None:
     return float(found[0] + energy.centre), float(found[-1] + energy.centre)
 
 
-def searched(energy: FreeEnergy, low: float, high: float) -> Pair | None:
-    """Phases between bounds, or farther away as long as the energy falls there; None if it does so on and on."""
-    found: Pair | None = None
+def searched(energy: FreeEnergy, low: float, high: float) -> list[Pair]:
+    """Phases between bounds, or farther away as long as the energy falls there; none if it does so on and on."""
+    found, reach, ends = tangents(energy, low, high), high - low, False
     for _ in range(WIDER):
-        try:
-            wider = tangent(energy, low, high)
-        except NotFinite:
-            if found is None:
-                raise
-            return found  # what it is taken from ends here
-        if wider is None:
-            return None
-        found, apart = wider, high - low
-        beyond = low - apart / SAMPLES, high + apart / SAMPLES
-        below, above = (is_undercut(energy, found, end) for end in beyond)
+        below, above = undercuts(energy, found, low, high) if found else (False, False)
         if not (below or above):
             return found
-        low, high = low - below * apart, high + above * apart
-    return None
+        wider = low - below * reach, high + above * reach
+        try:
+            found = tangents(energy, *wider)
+        except NotFinite:  # what it is taken from ends in between
+            ends, reach = True, 0.5 * reach
+            if reach < (high - low) / SAMPLES:
+                return found
+            continue
+        low, high = wider
+        reach = reach if ends else high - low
+    return []
 
 
-def is_undercut(energy: FreeEnergy, found: Pair, at: float) -> bool:
-    """Whether an energy is below a common tangent at a composition, as far as it has values there."""
-    try:
-        f = energy.values(np.array([*found, at]))
-    except NotFinite:
-        return False
-    line = f[0] + (f[1] - f[0]) * (at - found[0]) / (found[1] - found[0])
-    return bool(f[2] < line - 1e-12 * np.abs(f).max())
+def undercuts(energy: FreeEnergy, found: list[Pair], low: float, high: float) -> tuple[bool, bool]:
+    """Whether an energy is below its outermost common tangents beyond either bound, as far as it has values there."""
+    away = (high - low) * np.array([1 / SAMPLES, 0.01, 0.1])
+    return is_undercut(energy, found[0], low - away), is_undercut(energy, found[-1], high + away)
 
 
-def tangent(energy: FreeEnergy, low: float, high: float) -> Pair | None:
-    """Both ends of the longest common tangent from below, between bounds."""
+def is_undercut(energy: FreeEnergy, found: Pair, at: Array) -> bool:
+    """Whether an energy is below a common tangent at one of some compositions."""
+    f = energy.values(np.array(found))
+    for c in at:
+        try:
+            beyond = float(energy.values(np.array([c]))[0])
+        except NotFinite:
+            return False
+        line = f[0] + (f[1] - f[0]) * (c - found[0]) / (found[1] - found[0])
+        if beyond < line - 1e-14 * np.abs(f).max():
+            return True
+    return False
+
+
+def tangents(energy: FreeEnergy, low: float, high: float) -> list[Pair]:
+    """Both ends of all common tangents from below, between bounds, in ascending order."""
     c = np.linspace(low, high, SAMPLES)
-    f = energy.values(c)
-    first, second = beside_each_other(c, f, *widest_gap(c, f))
-    if second - first < 2:
-        return None
-    if second - first >= FINE:
-        return polished(energy, c[first], c[second], c[1] - c[0])
-    apart = c[second] - c[first]
-    return tangent(energy, max(low, c[first] - apart), min(high, c[second] + apart))
+    return [resolved(energy, low, high, c, gap) for gap in gaps(c, energy.values(c))]
 
 
-def beside_each_other(c: Array, f: Array, first: int, second: int) -> tuple[int, int]:
-    """The longest part of a common tangent between samples, if wells in between touch it, as far as samples tell."""
-    above = f - f[first] - (f[second] - f[first]) * (c - c[first]) / (c[second] - c[first])
-    bend = np.diff(f, 2)
-    k = np.arange(first + 2, second - 1)
-    touching = (above[k] <= np.minimum(above[k - 1], above[k + 1])) & (above[k] <= 0.25 * bend[k - 1])
-    ends = np.array([first, *k[touching], second])
-    longest = int(np.argmax(np.diff(ends)))
-    return int(ends[longest]), int(ends[longest + 1])
+def resolved(energy: FreeEnergy, low: float, high: float, c: Array, gap: tuple[int, int]) -> Pair:
+    """The ends of a tangent that is a gap between samples, by finer ones if it has few."""
+    first, second = float(c[gap[0]]), float(c[gap[1]])
+    if gap[1] - gap[0] >= FINE:
+        return polished(energy, first, second, float(c[1] - c[0]))
+    apart = second - first
+    finer = np.linspace(max(low, first - 0.5 * apart), min(high, second + 0.5 * apart), SAMPLES)
+    found = gaps(finer, energy.values(finer))
+    if not found:
+        return first, second
+    most = max(found, key=lambda k: shared((float(finer[k[0]]), float(finer[k[1]])), (first, second)))
+    return polished(energy, float(finer[most[0]]), float(finer[most[1]]), float(finer[1] - finer[0]))
 
 
 def polished(energy: FreeEnergy, low: float, high: float, near: float) -> Pair:
@@ -172,16 +205,25 @@ def polished(energy: FreeEnergy, low: float, high: float, near: float) -> Pair:
     return float(a), float(b)
 
 
-def widest_gap(c: Array, f: Array) -> tuple[int, int]:
-    """Neighbours in the lower convex hull of points that are farthest apart; what is straight has no gaps."""
+def gaps(c: Array, f: Array) -> list[tuple[int, int]]:
+    """Neighbours in the lower convex hull of samples that are farther apart than these are."""
     hull: list[int] = []
-    rounding = 1e-13 * float(np.ptp(f)) * float(np.ptp(c))
     for k in range(len(c)):
         while len(hull) > 1:
             a, b = hull[-2], hull[-1]
+            rounding = 2e-15 * (abs(f[a]) + abs(f[b]) + abs(f[k])) * (c[k] - c[a])
             if (f[b] - f[a]) * (c[k] - c[a]) <= (f[k] - f[a]) * (c[b] - c[a]) + rounding:
                 break
             hull.pop()
         hull.append(k)
-    k = int(np.argmax(np.diff(hull)))
-    return hull[k], hull[k + 1]
+    found = [(a, b) for a, b in pairwise(hull) if b - a > 1]
+    return [part for gap in found for part in split(c, f, *gap)]
+
+
+def split(c: Array, f: Array, first: int, second: int) -> list[tuple[int, int]]:
+    """A common tangent between samples, at wells in between that touch it as far as samples tell."""
+    above = f - f[first] - (f[second] - f[first]) * (c - c[first]) / (c[second] - c[first])
+    bend = np.diff(f, 2)
+    k = np.arange(first + 2, second - 1)
+    touching = (above[k] <= np.minimum(above[k - 1], above[k + 1])) & (above[k] <= 0.25 * bend[k - 1])
+    return list(pairwise([first, *map(int, k[touching]), second]))

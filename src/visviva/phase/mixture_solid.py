@@ -183,11 +183,6 @@ class MixtureSolid(Limited, Solid):
         """The flat interface between its phases at a time, without stress."""
         return self.chemistry.interface(time)
 
-    @property
-    def is_isotropic(self) -> bool:
-        """Whether its gradient energy is the same in all directions of its mesh."""
-        return self.chemistry.is_isotropic
-
     def remarks(self) -> list[str]:
         return [*super().remarks(), *self.chemistry.remarks()]
 
@@ -217,7 +212,9 @@ class MixtureSolid(Limited, Solid):
         self._refuse_torn(model)
         super().declare(model)
         c = self.space.fitted(self.chemistry.start_values)
-        self.phase = model.field(self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale)
+        self.phase = model.field(
+            self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale_in(model, self)
+        )
         self.potential: Field | None = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
 
     def contribute(self, model: Model) -> None:
@@ -274,7 +271,7 @@ class MixtureSolid(Limited, Solid):
         groups = [Group(self.carriers.unknowns(at.nodes), at.gradients, mass, True)]
         groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
         term = add_points(model, self, kind, groups, at.volume, self.constants())
-        term.limit(1, 0.5 * self.chemistry.scale)
+        term.limit(1, self.chemistry.stride)
         self.chemistry.drive(model, self, term)
         self._stressed.append(at)
         return looks.elements(cell, first)

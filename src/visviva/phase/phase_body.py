@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from visviva.base.errors import InputError, NotFinite, nearest
 from visviva.body.space import MeshSpace, ScalarSpace, Table
 from visviva.body.spline_space import SplineSpace
+from visviva.component.announcements import Given
 from visviva.component.limited import Limited
 from visviva.component.meshed import Meshed, refuse_thickness
 from visviva.component.values import Matrix, Number, NumberAtPlace, positive_tensor
@@ -39,6 +41,10 @@ NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
 
 
+FAINT = 0.01
+"""Changes of a field, over its values, that are the least to be resolved."""
+
+
 class PhaseBody(Limited, Meshed):
     """Base of bodies with a concentration or an order parameter.
 
@@ -49,6 +55,8 @@ class PhaseBody(Limited, Meshed):
     space : ScalarSpace
     start_values : array (n,)
         At the nodes, at the start.
+    scale : float
+        A large change of the field, once it is part of a system.
     """
 
     mesh: Mesh | MeshSource | SplineSource
@@ -63,6 +71,8 @@ class PhaseBody(Limited, Meshed):
     _mobility: Mobility
     potential: Field | None = None
     level_at_sides = False
+    scale: float
+    _found: tuple[FreeEnergy, Interface | None] | None = None
     cure = "take a mesh of cells without nodes between their corners"
     """Of logarithms that act inside of elements only."""
     lumps = True
@@ -128,13 +138,13 @@ class PhaseBody(Limited, Meshed):
 
     def interface(self, time: float = 0.0) -> Interface | None:
         """The flat interface between its phases at a time, across the direction of the least gradient energy."""
-        return interface(self.free_energy.at(time), float(self._stiffnesses().min()), self._start)
-
-    @property
-    def is_isotropic(self) -> bool:
-        """Whether its gradient energy is the same in all directions of its mesh."""
-        found = self._stiffnesses()
-        return bool(np.ptp(found) <= 1e-12 * found.max())
+        energy = self.free_energy.at(time)
+        if self._found is None or self._found[0] is not energy:
+            stiffnesses = self._stiffnesses()
+            found = interface(energy, float(stiffnesses.min()), self._start)
+            alike = bool(np.ptp(stiffnesses) <= 1e-12 * stiffnesses.max())
+            self._found = energy, found and replace(found, alike=alike)
+        return self._found[1]
 
     def _stiffnesses(self) -> Array:
         """Principal values of its gradient energy in the directions of its mesh."""
@@ -181,12 +191,19 @@ class PhaseBody(Limited, Meshed):
         return chosen_faces(self.grid, chosen, self.label)
 
     # --- what it contributes -------------------------------------------------------------------------------
-    @property
-    def scale(self) -> float:
-        """A large change of the field."""
+    def scale_in(self, model: Model, component: Owner) -> float:
+        """A large change of the field: between its phases, or of its start and of values that it is given."""
+        given = [told.values for told in model.announced(component, Given)]
         found = self.interface()
-        ends = (0.0, 1.0) if found is None else (found.low, found.high)
-        return max(*ends, *self._start) - min(*ends, *self._start)
+        phases = () if found is None else (found.low, found.high)
+        values = np.concatenate([phases, self._start, *given])
+        self.scale = max(float(np.ptp(values)), FAINT * float(np.abs(values).max())) or 1.0
+        return self.scale
+
+    @property
+    def stride(self) -> float:
+        """By how much the field may change in an iteration: not past both phases, where there are any."""
+        return 0.5 * self.scale if self.interface() is not None else np.inf
 
     def constants(self, time: float = 0.0) -> list[float]:
         """Of energy and mobility at a time, see ``visviva/point/mixture.hpp``."""

@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
 from visviva.body.space import Table
+from visviva.component.announcements import Given
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
@@ -108,15 +109,20 @@ class Wetting(Component):
                 f"{self.label}: the free energy of {self.body.label} changes in time, and with it what an angle stands "
                 "for; give an energy"
             )
-        if not self.body.is_isotropic:
-            raise InputError(
-                f"{self.label}: the gradient energy of {self.body.label} is not the same in all directions, so that "
-                "what an angle stands for is another one for every direction of the wall; give an energy"
-            )
         found = self.body.interface()
         if found is None:
             raise InputError(
                 f"{self.label}: the free energy of {self.body.label} has no two phases, and so no angle"
+            )
+        if not found.alike:
+            raise InputError(
+                f"{self.label}: the gradient energy of {self.body.label} is not the same in all directions, so that "
+                "what an angle stands for is another one for every direction of the wall; give an energy"
+            )
+        if not found.alone:
+            raise InputError(
+                f"{self.label}: the free energy of {self.body.label} has more phases than two, and its start does not "
+                f"tell that those of {found.low:.4g} and {found.high:.4g} meet at the wall; give an energy"
             )
         centre, apart = 0.5 * (found.low + found.high), found.high - found.low
         s = Polynomial([0.5, 1 / apart])
@@ -182,6 +188,7 @@ class PrescribedConcentration(Component):
 
     def announce(self, model: Model) -> None:
         model.announce(self.body, self)
+        model.announce(self.body, Given(self._given(0.0)))
 
     def declare(self, model: Model) -> None:
         model.index(self.body)
