@@ -15,6 +15,7 @@ from visviva.measure.measures import Reading
 from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.exclusion import Exclusion
+from visviva.phase.interface import unclear
 from visviva.phase.mixture_solid import MixtureSolid
 from visviva.phase.statistics import domain_size, interface_area, phase_volume
 
@@ -69,10 +70,11 @@ class InterfaceArea(Reading):
                     "free energy alone does not tell its phases; give phases=(low, high), (0, 1) for grains"
                 )
         found = self.body.interface(system.time)
-        if found is not None and not found.alone:
+        is_conserved = not isinstance(self.body, AllenCahn) or self.body.conserved
+        if found is not None and (why := unclear(found, is_conserved)):
             raise InputError(
-                f"InterfaceArea: the free energy of {self.body.label} has more phases than two, and its start does not "
-                f"tell that those of {found.low:.4g} and {found.high:.4g} are meant; give phases=(low, high)"
+                f"InterfaceArea: the free energy of {self.body.label} {why}; between which values interfaces are it "
+                "does not tell: give phases=(low, high)"
             )
         return None if found is None else (found.low, found.high)
 

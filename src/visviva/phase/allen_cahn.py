@@ -105,7 +105,7 @@ class AllenCahn(PhaseBody):
                 one = np.ones((table.size.shape[1], 1, 1))
                 groups.append(Group(np.full((len(table.numbers), 1), self.load.start), one))
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, self.stride)
+            term.limit(0, self._stride)
             self.drive(model, self, term)
 
     def rate_constraints(self, state: State) -> RateConstraints | None:

@@ -135,7 +135,7 @@ class CahnHilliard(PhaseBody):
                 kind, weights = PhysicsKind.SMOOTH_MIXTURE, table.smooth_columns()
             groups = [self.group(f, table, weights) for f in (self.phase, self.potential) if f is not None]
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, self.stride)
+            term.limit(0, self._stride)
             self.drive(model, self, term)
 
     @property

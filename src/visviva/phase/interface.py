@@ -20,6 +20,8 @@ FINE = 1000
 """Of these between the phases, at least."""
 WIDER = 60
 """Times that the part where phases are looked for is doubled, unless they lie inside."""
+LEVEL = 1e-6
+"""Differences of wells, over what is between them, that are none."""
 EDGE = 1e-9
 """Of logarithms that is left out."""
 
@@ -37,7 +39,9 @@ class Interface:
     width : float
         ``(high - low) sqrt(kappa / (2 max df))``: of ``tanh(2 x / width)``.
     alone : bool
-        Whether the start lies, or is nearest, to no other phases that the energy separates into.
+        Whether the energy has no other phases, and no other wells in between.
+    tilt : float
+        By how much the phase of high values has more energy than the other, over the height of what is between them.
     alike : bool
         Whether the gradient energy is the same in all directions of the mesh.
     """
@@ -47,6 +51,7 @@ class Interface:
     tension: float
     width: float
     alone: bool = True
+    tilt: float = 0.0
     alike: bool = True
 
 
@@ -66,16 +71,23 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     pairs = phases(energy, start)
     if not pairs:
         return None
-    shares = [shared(pair, start) for pair in pairs]
-    pair = pairs[int(np.argmax(shares))]
+    pair = max(pairs, key=lambda each: shared(each, start))
     c = np.linspace(*pair, SAMPLES)
     f = energy.values(c)
     df = f - np.interp(c, pair, f[[0, -1]])
     tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), c))
     width = (pair[1] - pair[0]) * float(np.sqrt(gradient / (2 * df.max())))
-    most = max(shares)
-    others = [share for share in shares if share >= (0.1 * most if most > 0 else most - 0.1)]
-    return Interface(*pair, tension, width, len(others) == 1)
+    wells = np.sum((df[1:-1] < df[:-2]) & (df[1:-1] <= df[2:]) & (df[1:-1] > 1e-9 * df.max()))
+    return Interface(*pair, tension, width, len(pairs) == 1 and not wells, float((f[-1] - f[0]) / df.max()))
+
+
+def unclear(found: Interface, is_conserved: bool) -> str:
+    """Why it is not known between which phases interfaces are; nothing where it is."""
+    if not found.alone:
+        return "has more wells than two"
+    if not is_conserved and abs(found.tilt) > LEVEL:
+        return "has wells of which one is deeper, and nothing that is conserved, so that one phase grows"
+    return ""
 
 
 def shared(pair: Pair, start: Pair) -> float:

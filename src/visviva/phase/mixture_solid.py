@@ -271,7 +271,7 @@ class MixtureSolid(Limited, Solid):
         groups = [Group(self.carriers.unknowns(at.nodes), at.gradients, mass, True)]
         groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
         term = add_points(model, self, kind, groups, at.volume, self.constants())
-        term.limit(1, self.chemistry.stride)
+        term.limit(1, self.chemistry._stride)
         self.chemistry.drive(model, self, term)
         self._stressed.append(at)
         return looks.elements(cell, first)

@@ -42,7 +42,7 @@ NEAR_PURE = 0.01
 
 
 FAINT = 0.01
-"""Changes of a field, over its values, that are the least to be resolved."""
+"""Changes of a field that does not separate, over its values, that are the least to be resolved."""
 
 
 class PhaseBody(Limited, Meshed):
@@ -195,14 +195,18 @@ class PhaseBody(Limited, Meshed):
         """A large change of the field: between its phases, or of its start and of values that it is given."""
         given = [told.values for told in model.announced(component, Given)]
         found = self.interface()
-        phases = () if found is None else (found.low, found.high)
-        values = np.concatenate([phases, self._start, *given])
-        self.scale = max(float(np.ptp(values)), FAINT * float(np.abs(values).max())) or 1.0
+        if found is not None:
+            given.append(np.array([found.low, found.high]))
+        values = np.concatenate([self._start, *given])
+        faint = FAINT * float(np.abs(values).max()) if found is None else 0.0
+        self.scale = max(float(np.ptp(values)), faint) or 1.0
         return self.scale
 
     @property
-    def stride(self) -> float:
-        """By how much the field may change in an iteration: not past both phases, where there are any."""
+    def _stride(self) -> float:
+        """By how much the field may change in an iteration: not past what is between phases, or past logarithms."""
+        if self.free_energy.has_domain:
+            return 0.5
         return 0.5 * self.scale if self.interface() is not None else np.inf
 
     def constants(self, time: float = 0.0) -> list[float]:

@@ -24,6 +24,7 @@ from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.exclusion import Exclusion
 from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
+from visviva.phase.interface import unclear
 from visviva.phase.mixture_solid import MixtureSolid
 from visviva.thermal.boundaries import Values
 
@@ -119,10 +120,10 @@ class Wetting(Component):
                 f"{self.label}: the gradient energy of {self.body.label} is not the same in all directions, so that "
                 "what an angle stands for is another one for every direction of the wall; give an energy"
             )
-        if not found.alone:
+        if why := unclear(found, not isinstance(self.body, AllenCahn) or self.body.conserved):
             raise InputError(
-                f"{self.label}: the free energy of {self.body.label} has more phases than two, and its start does not "
-                f"tell that those of {found.low:.4g} and {found.high:.4g} meet at the wall; give an energy"
+                f"{self.label}: the free energy of {self.body.label} {why}; what an angle stands for it does not tell: "
+                "give an energy"
             )
         centre, apart = 0.5 * (found.low + found.high), found.high - found.low
         s = Polynomial([0.5, 1 / apart])
