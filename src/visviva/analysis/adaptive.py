@@ -46,8 +46,8 @@ class Adaptive(metaclass=Validated):
     Parameters
     ----------
     tolerance : float
-        Error allowed in one step, relative to the scale of each unknown (length of the model, 1 for
-        directors).
+        Error allowed in one step, relative to the scale of each unknown: the length of the model, 1 for directors, the
+        distance of phases, or what a concentration starts with and is given at the start, 1 if it is empty.
     min_step, max_step : float
         Bounds; without them 1e-6 and 100 times the given step.
     easy : int

@@ -169,8 +169,14 @@ class PhaseBody(Limited, Meshed):
             )
 
     def remarks(self) -> list[str]:
-        """Between corners nothing keeps nodes in the domain of logarithms, only quadrature points."""
+        """Nothing tells the size of what is empty, or keeps nodes between corners in the domain of logarithms."""
         found, lumped = self.interface(), isinstance(self.space, MeshSpace) and self.space.is_lumped
+        if found is None and not np.any(self._start):
+            return [
+                f"{self.label}: it starts empty and has no phases, so that beside what it is given at the start "
+                f"nothing tells how large its {self.quantity} will be: errors that vv.Adaptive allows are parts of "
+                f"{self.scale:g}; give its tolerance by that, or max_step"
+            ]
         if found is None or lumped or not self.free_energy.has_domain:
             return []
         low, high = self.free_energy.domain
