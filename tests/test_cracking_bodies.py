@@ -10,7 +10,13 @@ import pytest
 import visviva as vv
 
 
-def notched(**options: Any) -> list[Any]:
+def pulled(plate: vv.FracturingSolid, motion: str) -> list[Any]:
+    """A plate, held below and moved above."""
+    held = vv.Fixed(solid=plate, nodes="y0")
+    return [plate, held, vv.Prescribed(solid=plate, nodes="y1", motion=(0, motion, None))]
+
+
+def notched() -> list[Any]:
     """A plate with a notch, pulled at its upper side."""
     mesh = vv.RectangleMesh(size=(1.0, 1.0), counts=(10, 10)).build()
     mesh = mesh.opened(lambda X: (abs(X[:, 1] - 0.5) < 1e-9) & (X[:, 0] < 0.45), lambda X: X[:, 1] > 0.5)
@@ -20,13 +26,8 @@ def notched(**options: Any) -> list[Any]:
         toughness=1e-6,
         length=0.2,
         model="AT2",
-        **options,
     )
-    return [
-        plate,
-        vv.Fixed(solid=plate, nodes="y0"),
-        vv.Prescribed(solid=plate, nodes="y1", motion=(0, "t", None)),
-    ]
+    return pulled(plate, "t")
 
 
 def strong(stiffness: float) -> list[Any]:
@@ -38,11 +39,7 @@ def strong(stiffness: float) -> list[Any]:
         length=0.6,
         model="AT1",
     )
-    return [
-        plate,
-        vv.Fixed(solid=plate, nodes="y0"),
-        vv.Prescribed(solid=plate, nodes="y1", motion=(0, "10*t", None)),
-    ]
+    return pulled(plate, "10*t")
 
 
 def test_no_crack_hides_behind_the_energy_of_another_body() -> None:
