@@ -504,3 +504,15 @@ def test_an_old_petsc_is_refused_in_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "old.py").write_text(OLD)
     done = launched(0, str(tmp_path / "old.py"))
     assert done.stdout.startswith("petsc4py 3.18.5 is too old"), done.stderr
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_more_threads_than_cores_are_said(n: int, tmp_path: Path) -> None:
+    script = tmp_path / "threads.py"
+    script.write_text(
+        "import visviva as vv\nfrom visviva.base.threads import n_cores\nfrom visviva.base.world import world\n"
+        "vv.use_threads(n_cores())\nworld()\n"
+    )
+    done = launched(n, str(script))
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("they wait for each other: ") == n - 1

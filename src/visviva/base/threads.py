@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import platform
+from collections.abc import Iterable
 
 from visviva.base.arguments import whole
 from visviva.base.errors import InputError
@@ -13,7 +15,45 @@ MOST = 4096
 
 def n_cores() -> int:
     """Cores on which this process may run, by its affinity mask."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return len(cores())
+
+
+def cores() -> frozenset[int]:
+    """Numbers of these."""
+    return frozenset(
+        os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)
+    )
+
+
+def here() -> tuple[str, int, frozenset[int]]:
+    """Name of the machine, threads of this process, and cores on which they may run."""
+    return platform.node(), use_threads(), cores()
+
+
+def crowds(processes: Iterable[tuple[str, int, frozenset[int]]]) -> list[str]:
+    """Of each machine on which processes have more threads than cores, a sentence; of each there is what `here` gives.
+
+    Examples
+    --------
+    >>> crowds([("a", 2, frozenset({0, 1})), ("a", 2, frozenset({0, 1})), ("b", 1, frozenset({0}))])
+    ['2 processes on a have 4 threads on 2 cores, where they wait for each other: give each fewer (--threads 1)']
+    >>> crowds([("a", 1, frozenset({0})), ("a", 1, frozenset({1}))])  # each has its own
+    []
+    """
+    machines: dict[str, list[tuple[int, frozenset[int]]]] = {}
+    for name, threads, places in processes:
+        machines.setdefault(name, []).append((threads, places))
+    found = []
+    for name, those in machines.items():
+        total, n_places = sum(n for n, _ in those), len(frozenset().union(*(c for _, c in those)))
+        few = max(1, n_places // len(those))
+        cure = f"give each fewer (--threads {few})" if len(those) <= n_places else "start fewer of them"
+        if total > n_places and len(those) > 1:
+            found.append(
+                f"{len(those)} processes on {name} have {total} threads on {n_places} core{'s' * (n_places > 1)}, "
+                f"where they wait for each other: {cure}"
+            )
+    return found
 
 
 def use_threads(n: int | None = None) -> int:

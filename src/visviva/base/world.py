@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from visviva.base import processes
 from visviva.base.errors import InputError
+from visviva.base.threads import crowds, here
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -172,7 +173,17 @@ def _found() -> World:
         return Alone()
     joined: World = brought("several processes").join()
     processes.world = joined.size
-    return joined if joined.size > 1 else Alone()
+    if joined.size == 1:
+        return Alone()
+    _tell_crowds(joined)
+    return joined
+
+
+def _tell_crowds(joined: World) -> None:
+    with joined.doing("count threads and cores"):
+        found = crowds(joined.together(here()))
+    if joined.rank == 0:
+        print("\n".join(found), end="\n" * bool(found), file=sys.stderr)
 
 
 def brought(what: str) -> Any:
