@@ -229,20 +229,23 @@ def record(probe="place", **given):
     return vv.run(study, sys.argv[1], progress=False, **given)
 
 
-def run(until=0.1, moved=0.0, alike=(), newton=None, relaxed=None, **given):
+def run(until=0.1, moved=0.0, alike=(), newton=None, relaxed=None, modes=0, kept=1, **given):
     system = vv.System([bar(**given), *(bar(100.0 * k, f"bar {k}") for k in alike)])
     if newton is not None:
         system.newton = vv.Newton(tolerance=newton)
     if relaxed is not None:
         return vv.equilibrium(system, until=relaxed)
+    if modes:
+        return vv.modes(system, modes)
     system.x[0] += moved
     system.invalidate()
-    return vv.simulate(system, until=until, step=0.05)
+    return vv.simulate(system, until=until, step=0.05, every=kept)
 
 
 tried = [{"young": 100.0 + rank}, {"alike": (1, 2) if rank else (2, 1)}, {"alike": (1,) * rank}, {"velocity": drawn},
          {"until": 0.1 + 0.05 * rank}, {"moved": 1e-3 * rank}, {"every": 1 + rank},
          {"newton": 1e-6 if rank else 1e-12}, {"relaxed": 1.0 + rank},
+         {"modes": 8 + rank}, {"kept": 1 + rank},
          {"time_limit": 100.0 if rank else None}, {"probe": f"place {rank}"}, {}, {"time_limit": 100.0 + rank}]
 for given in tried:
     try:
@@ -271,6 +274,8 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
         "run: every is 1 in process 0, 2 in process 1.",
         "Newton: tolerance is 1e-12 in process 0, 1e-06 in process 1.",
         "equilibrium: until is 1 in process 0, 2 in process 1.",
+        "modes: n is 8 in process 0, 9 in process 1.",
+        "simulate: every is 1 in process 0, 2 in process 1.",
         "run: has_limit is False in process 0, True in process 1.",
         "run: probes is ['place 0'] in process 0, ['place 1'] in process 1.",
     )

@@ -24,6 +24,7 @@ from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError, RunError
 from visviva.component.component import refuse_changed
 from visviva.scheme.schemes import load_step
+from visviva.system.agreement import refuse_different_arguments
 from visviva.system.freedom import refuse_free
 from visviva.system.growing import growing_unknowns, refuse_growth
 from visviva.system.instant import COMPLIANCE, difference
@@ -144,6 +145,7 @@ def buckling(system: System, n: int = 6, *, tolerance: float = 1e-6) -> Buckling
     refuse_changed(system)
     whole("buckling", "n", n)
     positive("buckling", "tolerance", tolerance)
+    refuse_different_arguments("buckling", n=n, tolerance=tolerance)
     refuse_first_order("buckling", system)
     refuse_free(system)
     refuse_unfit("buckling", system)

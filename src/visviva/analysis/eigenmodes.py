@@ -22,6 +22,7 @@ from visviva.analysis.whirl import complex_modes, gyroscopic
 from visviva.base.arguments import positive, whole
 from visviva.base.errors import InputError
 from visviva.component.component import refuse_changed
+from visviva.system.agreement import refuse_different_arguments
 from visviva.system.consistency import accelerations
 from visviva.system.growing import refuse_growth
 from visviva.system.instant import Instant, instant
@@ -157,6 +158,7 @@ def modes(system: System, n: int = 10, *, tolerance: float = 1e-6) -> Modes:
     refuse_changed(system)
     whole("modes", "n", n)
     positive("modes", "tolerance", tolerance)
+    refuse_different_arguments("modes", n=n, tolerance=tolerance)
     if not len(system.free_unknowns):
         raise InputError(
             "all that moves is held or prescribed: there are no modes; leave something free to move"
