@@ -268,19 +268,3 @@ def test_mobilities_within_mobilities_follow_their_temperature() -> None:
     expected = np.exp(-2e4 / (8.31446261815324 * 2000)) * np.exp(-1e4 / (8.31446261815324 * 500))
     assert nested.changes
     assert nested.at(5.0).values(np.array(0.5)) == pytest.approx(expected)
-
-
-def test_of_what_is_empty_it_is_said_that_nothing_tells_its_size() -> None:
-    def said(concentration: Any, *held: float) -> list[str]:
-        body = vv.CahnHilliard(
-            mesh=vv.RectangleMesh(size=(4, 1), counts=(8, 2)),
-            free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, 0.5)),
-            gradient_energy=1e-6,
-            concentration=concentration,
-        )
-        walls = [vv.PrescribedConcentration(body=body, nodes="x0", value=value) for value in held]
-        return [line for line in vv.System([body, *walls]).check().remarks if "starts empty" in line]
-
-    assert ["parts of 1;" in line for line in said(0.0)] == [True]
-    assert ["parts of 1e-06;" in line for line in said(0.0, 1e-6)] == [True]
-    assert not said(0.1)

@@ -384,9 +384,24 @@ def falling() -> vv.Study:
     return vv.Study(vv.System([ball, plane, contact, vv.Gravity()]), 0.3, 0.001)
 
 
-@pytest.mark.parametrize(("make", "end"), [(STUDIES["crane"], 0.1), (falling, 0.06), (falling, 0.0735)])
+def filling() -> vv.Study:
+    """A mixture without phases that is empty until its side gives it something."""
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(1, 0.25), counts=(8, 2)),
+        free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, 0.5)),
+        gradient_energy=1e-6,
+        concentration=0.0,
+    )
+    wall = vv.PrescribedConcentration(body=body, nodes="x0", value="1e-3*sin(30*t)")
+    return vv.Study(vv.System([body, wall]), 0.2, 0.001, scheme=vv.BDF2())
+
+
+MOVING = [(STUDIES["crane"], 0.1), (falling, 0.06), (falling, 0.0735), (filling, 0.08)]
+
+
+@pytest.mark.parametrize(("make", "end"), MOVING)
 def test_adaptive_steps_go_on_alike(make: Callable[[], vv.Study], end: float, tmp_path: Path) -> None:
-    """Length, error and rates that the choice of steps rests on are part of the state, and how deep impacts were."""
+    """What the choice of steps rests on is part of the state: length, error, rates, how deep impacts were, changes."""
 
     def composed() -> vv.Study:
         study = make()

@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-NAME, VERSION = "adaptive steps", 2
+NAME, VERSION = "adaptive steps", 3
 """Of the record of what the choice of steps carries on."""
+ROUNDING = 1e-13
+"""Errors below this part of a scale are taken for rounding."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,9 @@ class Adaptive(metaclass=Validated):
     Parameters
     ----------
     tolerance : float
-        Error allowed in one step, relative to the scale of each unknown: the length of the model, 1 for directors, the
-        distance of phases, or what a concentration starts with and is given at the start, 1 if it is empty.
+        Error allowed in one step, relative to the scale of each unknown: the length of the model, 1 for directors; of
+        what is transported, such as heat or concentrations, the largest change up to now, at least the differences that
+        it starts with, what it is given at the start, the distance of phases, or a hundredth of what is uniform.
     min_step, max_step : float
         Bounds; without them 1e-6 and 100 times the given step.
     easy : int
@@ -80,6 +83,34 @@ class Adaptive(metaclass=Validated):
         return low, high
 
 
+class _Sizes:
+    """By what errors are measured: scales, or of what is transported its largest change from the start up to now.
+
+    Attributes
+    ----------
+    reached : array (fields,)
+        That change of each field that is transported, over its scale.
+    """
+
+    def __init__(self, system: System, reached: Array | None) -> None:
+        self._fields = [f for f in system.model.fields if f.order == 1]
+        self._system, self._fixed = system, np.where(system.order > 0, system.inverse_scale, 0.0)
+        self.reached = np.zeros(len(self._fields)) if reached is None else reached
+
+    def after_step(self) -> Array:
+        """The changes reached at the end of the step solved last."""
+        x, inverse = self._system.x + self._system.core.dx, self._system.inverse_scale
+        changes = [np.abs(x[f.unknowns] - f.values) * inverse[f.unknowns] for f in self._fields]
+        return np.maximum(self.reached, [float(change.max(initial=0.0)) for change in changes])
+
+    def inverse(self, reached: Array, tolerance: float) -> Array:
+        """Inverse of the size (n,) of each unknown; 0 where changes are not judged."""
+        found = self._fixed.copy()
+        for f, change in zip(self._fields, reached, strict=True):
+            found[f.unknowns] /= max(f.least, float(change), ROUNDING / tolerance)
+        return found
+
+
 @dataclass
 class _Estimate:
     """The velocities before the last step, that step's length and the length of the one before.
@@ -88,7 +119,6 @@ class _Estimate:
     `first` are the rates at the start of contents that take a first step, in which theirs are means as well.
     """
 
-    inverse_scale: Array
     means: NDArray[np.bool_]
     late: NDArray[np.int64]
     first: tuple[NDArray[np.bool_], Array] | None = None
@@ -96,20 +126,20 @@ class _Estimate:
     length: float = 0.0
     before: float = 0.0
 
-    def error(self, increment: Array, rates: Array, h: float, tolerance: float) -> float:
-        """Estimated error of a step as a multiple of `tolerance`."""
-        bend = (increment / h - rates) * self.inverse_scale  # half of the change of velocity, without history
+    def error(self, increment: Array, rates: Array, h: float, inverse: Array, tolerance: float) -> float:
+        """Estimated error of a step as a multiple of `tolerance`, where unknowns have sizes of this inverse."""
+        bend = (increment / h - rates) * inverse  # half of the change of velocity, without history
         if self.rates is None:  # the change of velocity alone, raised to the order of the estimate
             bend[self.late] = 0.0
             if self.first is not None:
                 of, start = self.first
-                bend[of] = 0.5 * ((start - rates) * self.inverse_scale)[of]
+                bend[of] = 0.5 * ((start - rates) * inverse)[of]
             return float((np.abs(h * bend).max() / tolerance ** (2 / 3)) ** 1.5)
         L = self.length
-        before = 0.5 * h / L * (rates - self.rates) * self.inverse_scale
+        before = 0.5 * h / L * (rates - self.rates) * inverse
         off = h * (bend - before) / (3 * (1 + L / h))
         earlier = (L * rates + self.before * self.rates) / (L + self.before)
-        smooth = ((increment + L * rates) / (h + L) - earlier) * self.inverse_scale
+        smooth = ((increment + L * rates) / (h + L) - earlier) * inverse
         off[self.means] = h * smooth[self.means] / 12
         return float(np.abs(off).max() / tolerance)
 
@@ -127,7 +157,7 @@ def adaptive_steps(
     has_means, late = np.count_nonzero(scheme.transport(1.0)[2]) == 1, system.stepper.means
     means = has_means & (system.order == 1)
     means[late] = True
-    estimate = _Estimate(np.where(system.order > 0, system.inverse_scale, 0.0), means, late)
+    estimate = _Estimate(means, late)
     if scheme.needs_acceleration and not system.stepper.has_rates:
         contents = [np.full(f.size, f.role is Role.CONTENT) for f in system.model.fields]
         estimate.first = (system.order == 1) & np.concatenate(contents), system.core.a.copy()
@@ -136,6 +166,7 @@ def adaptive_steps(
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
         estimate.rates = pace[NAME].arrays["rates"]
     depths = pace[NAME].arrays["depths"] if NAME in pace else overlaps(system)
+    sizes = _Sizes(system, pace[NAME].arrays["reached"] if NAME in pace else None)
     system.clock.refuse_short(until, step, begins=system.stepper.is_given)
     while not system.clock.has_reached(until):
         left = next_kink(system, until) - system.time
@@ -145,7 +176,9 @@ def adaptive_steps(
             rates = system.v.copy()
             there = overlaps(system)
             deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
-            error = max(estimate.error(system.core.dx, rates, taken, rule.tolerance), deeper, 1e-6)
+            reached = sizes.after_step()
+            inverse = sizes.inverse(reached, rule.tolerance)
+            error = max(estimate.error(system.core.dx, rates, taken, inverse, rule.tolerance), deeper, 1e-6)
             if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
                 system.core.discard()
                 system.stepper.rejected += 1
@@ -159,11 +192,12 @@ def adaptive_steps(
             h = max(0.5 * taken, low)
             continue
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
-        depths = there
+        depths, sizes.reached = there, reached
         proposed = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
         h, last = float(np.clip(proposed, min(low, h), high)), error
         steps = np.array([h, last, taken, estimate.before])
-        pace[NAME] = Record(NAME, VERSION, {"steps": steps, "rates": rates, "depths": depths})
+        carried = {"steps": steps, "rates": rates, "depths": depths, "reached": reached}
+        pace[NAME] = Record(NAME, VERSION, carried)
         yield attempt.report
 
 

@@ -193,8 +193,16 @@ class Fluid(Meshed):
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
         self._falls_at = self._speed_of_fall(model)
-        speed = self.speed or self._starts_at or self._falls_at or 1.0
-        self.flow = model.field(self, "velocity", v, role=Role.VELOCITY, scale=speed, node=self.dimension)
+        known = self.speed or self._starts_at or self._falls_at
+        self.flow = model.field(
+            self,
+            "velocity",
+            v,
+            role=Role.VELOCITY,
+            scale=known or 1.0,
+            node=self.dimension,
+            least=float(known > 0),
+        )
         role = Role.FLUID_PRESSURE if self.is_stabilised else Role.MULTIPLIER
         self.pressure = model.field(self, "pressure", np.zeros(self._n_pressures), role=role, stage=1)
         if self.conditions.closed:

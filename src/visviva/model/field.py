@@ -52,6 +52,10 @@ class Owner(Protocol):
         ...
 
 
+FAINT = 0.01
+"""Changes of what starts uniform, over its value, that are the least to be resolved."""
+
+
 class Role(Enum):
     """Kind of unknowns: it decides how they move in time, how they are booked, and which solvers suit them.
 
@@ -122,6 +126,9 @@ class Field:
         The unknowns ``start ... start + size - 1`` of the system.
     scale : float
         A change of this size is large (length of the model, 1 for directors and angles); 0: not judged.
+    least : float
+        Of what is transported: part of the scale that is known to be reached. Errors of adaptive steps are measured by
+        that, or by the largest change up to now; 0: nothing tells how large changes will be.
     stage : int
         Order of elimination: 0 has inertia, 1 multipliers and massless coordinates, 2 couples only those.
     block : object
@@ -162,6 +169,7 @@ class Field:
     element: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
     composition: Composition | None = None
     beside: Field | None = None
+    least: float = 1.0
     moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
@@ -192,11 +200,6 @@ class Field:
     def unknowns(self) -> range:
         return range(self.start, self.start + self.size)
 
-    @property
-    def supplied(self) -> str:
-        """Category of what held unknowns take in: heat, or work."""
-        return "heat" if self.role is Role.CONTENT and self.component.carries_heat else "work"
-
     def form(self, k: int = 0) -> Form:
         """The `k`-th unknown as a form."""
         return Form(((self.start + k, 1.0),), 0.0, self.composition)
@@ -204,6 +207,11 @@ class Field:
     def vector(self, node: int = 0) -> Vector:
         """Three unknowns as a vector."""
         return Vector.of(self.start + 3 * node).owned(self.composition)
+
+
+def supply_of(held: Field) -> str:
+    """Category of what held unknowns of a field take in: heat, or work."""
+    return "heat" if held.role is Role.CONTENT and held.component.carries_heat else "work"
 
 
 @dataclass(eq=False)

@@ -15,7 +15,7 @@ from visviva.model.batch import along, book, strain_batch
 from visviva.model.composition import Composition
 from visviva.model.driving import Driving
 from visviva.model.entropies import Entropies
-from visviva.model.field import Field, Owner, Prescription, Role
+from visviva.model.field import Field, Owner, Prescription, Role, supply_of
 from visviva.model.form import Form, Strain, refuse_foreign, strain
 from visviva.model.law import Law, LawKind
 from visviva.model.reductions import Reductions
@@ -133,6 +133,7 @@ class Model:
         part: int = 0,
         element: ArrayLike = (),
         instantaneous: bool = True,
+        least: float = 1.0,
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
@@ -160,6 +161,7 @@ class Model:
             instantaneous,
             local,
             self._composition,
+            least=least,
         )
         self.fields.append(new)
         if role.order == 1:
@@ -223,7 +225,7 @@ class Model:
         moved.rates[k] = rates(0.0, 0.0)
         self._remember(moved)
         account = self.account(
-            component, "supply" if moved.order == 1 else "prescribed motion", moved.supplied
+            component, "supply" if moved.order == 1 else "prescribed motion", supply_of(moved)
         )
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.driving.prescribed.append(

@@ -91,8 +91,7 @@ class AllenCahn(PhaseBody):
             )
 
     def declare(self, model: Model) -> None:
-        c = self.space.fitted(self.start_values)
-        self.phase = model.field(self, "order", c, role=Role.CONTENT, scale=self.scale_in(model, self))
+        self.phase = self.field_in(model, self)
         if self.conserved:
             self.load = model.field(self, "load", [0.0], role=Role.MULTIPLIER, instantaneous=False)
 

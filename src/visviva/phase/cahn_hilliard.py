@@ -119,12 +119,9 @@ class CahnHilliard(PhaseBody):
             )
 
     def declare(self, model: Model) -> None:
-        c = self.space.fitted(self.start_values)
-        self.phase = model.field(
-            self, "concentration", c, role=Role.CONTENT, scale=self.scale_in(model, self)
-        )
+        self.phase = self.field_in(model, self)
         if self.form == "mixed":
-            self.potential = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
+            self.potential = model.field(self, "potential", 0 * self.phase.values, role=Role.POTENTIAL)
             self.potential.beside = self.phase
 
     def contribute(self, model: Model) -> None:

@@ -211,11 +211,10 @@ class MixtureSolid(Limited, Solid):
     def declare(self, model: Model) -> None:
         self._refuse_torn(model)
         super().declare(model)
-        c = self.space.fitted(self.chemistry.start_values)
-        self.phase = model.field(
-            self, "concentration", c, role=Role.CONTENT, scale=self.chemistry.scale_in(model, self)
+        self.phase = self.chemistry.field_in(model, self)
+        self.potential: Field | None = model.field(
+            self, "potential", 0 * self.phase.values, role=Role.POTENTIAL
         )
-        self.potential: Field | None = model.field(self, "potential", 0 * c, role=Role.POTENTIAL)
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False

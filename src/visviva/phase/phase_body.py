@@ -22,7 +22,7 @@ from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineSource
 from visviva.model.callback import Function
-from visviva.model.field import Field
+from visviva.model.field import FAINT, Field, Role
 from visviva.model.points import Group
 from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
 from visviva.phase.interface import Interface, interface
@@ -39,10 +39,6 @@ Ints = NDArray[np.int64]
 
 NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
-
-
-FAINT = 0.01
-"""Changes of a field that does not separate, over its values, that are the least to be resolved."""
 
 
 class PhaseBody(Limited, Meshed):
@@ -169,14 +165,8 @@ class PhaseBody(Limited, Meshed):
             )
 
     def remarks(self) -> list[str]:
-        """Nothing tells the size of what is empty, or keeps nodes between corners in the domain of logarithms."""
+        """Between corners nothing keeps nodes in the domain of logarithms, only quadrature points."""
         found, lumped = self.interface(), isinstance(self.space, MeshSpace) and self.space.is_lumped
-        if found is None and not np.any(self._start):
-            return [
-                f"{self.label}: it starts empty and has no phases, so that beside what it is given at the start "
-                f"nothing tells how large its {self.quantity} will be: errors that vv.Adaptive allows are parts of "
-                f"{self.scale:g}; give its tolerance by that, or max_step"
-            ]
         if found is None or lumped or not self.free_energy.has_domain:
             return []
         low, high = self.free_energy.domain
@@ -197,7 +187,15 @@ class PhaseBody(Limited, Meshed):
         return chosen_faces(self.grid, chosen, self.label)
 
     # --- what it contributes -------------------------------------------------------------------------------
-    def scale_in(self, model: Model, component: Owner) -> float:
+    def field_in(self, model: Model, component: Owner) -> Field:
+        """Its field, as one of a component; of what is empty and has no phases nothing tells a large change."""
+        known = self._known_change(model, component)
+        self.scale = known or 1.0
+        c = self.space.fitted(self.start_values)
+        least = float(known > 0)
+        return model.field(component, self.quantity, c, role=Role.CONTENT, scale=self.scale, least=least)
+
+    def _known_change(self, model: Model, component: Owner) -> float:
         """A large change of the field: between its phases, or of its start and of values that it is given."""
         given = [told.values for told in model.announced(component, Given)]
         found = self.interface()
@@ -205,8 +203,7 @@ class PhaseBody(Limited, Meshed):
             given.append(np.array([found.low, found.high]))
         values = np.concatenate([self._start, *given])
         faint = FAINT * float(np.abs(values).max()) if found is None else 0.0
-        self.scale = max(float(np.ptp(values)), faint) or 1.0
-        return self.scale
+        return max(float(np.ptp(values)), faint)
 
     @property
     def _stride(self) -> float:

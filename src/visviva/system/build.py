@@ -16,7 +16,7 @@ from visviva.base.world import world
 from visviva.component.announcements import SharedOut
 from visviva.component.component import Component
 from visviva.component.within import within
-from visviva.model.field import Role
+from visviva.model.field import Role, supply_of
 from visviva.model.stencil import inertia_terms, strain_terms
 from visviva.system.agreement import refuse_different_starts
 
@@ -108,7 +108,7 @@ def supplied(model: Model) -> tuple[Ints, ...]:
     moving = {u for u, _, _ in rows}
     for f in model.fields:
         still = [u for u in f.unknowns if f.order == 1 and f.fixed[u - f.start] and u not in moving]
-        rows += [(u, model.account(f.component, "supply", f.supplied), f.role.supply) for u in still]
+        rows += [(u, model.account(f.component, "supply", supply_of(f)), f.role.supply) for u in still]
     return tuple(np.ascontiguousarray(column) for column in np.array(rows, dtype=np.int32).reshape(-1, 3).T)
 
 

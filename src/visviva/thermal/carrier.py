@@ -19,7 +19,7 @@ from visviva.component.momentum import NOWHERE, Axes
 from visviva.mesh.faces import Faces
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.periodic import refuse_apart
-from visviva.model.field import Field
+from visviva.model.field import FAINT, Field
 from visviva.model.term import Stencils, Term
 from visviva.thermal.celsius import taken_for_kelvin
 
@@ -32,6 +32,11 @@ CURE = "which is not above absolute zero: no more heat can be taken out there; t
 """What a step is told that leads there."""
 Law = Callable[[float, Array, Array], tuple[Array, Array]]
 """Heat (m, q) per time and size that flows in and its derivative by the temperature, of time, place and temperature."""
+
+
+def known_part(start: Array, scale: float) -> float:
+    """Part of a scale that changes of temperatures (n,) are known to reach: their differences, little if uniform."""
+    return min(1.0, max(float(np.ptp(start)), FAINT * float(np.abs(start).max())) / scale)
 
 
 @dataclass(frozen=True, eq=False)

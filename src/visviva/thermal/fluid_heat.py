@@ -19,7 +19,7 @@ from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
 from visviva.model.field import Field, Role
 from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
-from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part
 from visviva.thermal.lift import StabilisedLift
 
 if TYPE_CHECKING:
@@ -145,7 +145,8 @@ class FluidHeat(HeatCarrier):
         start[self.fluid.number] = self.start_temperatures
         scale = float(np.ptp(start)) or float(np.abs(start - self._zero).max()) or 1.0
         self._scale = scale
-        self.heat = model.field(self, "temperature", start, role=Role.CONTENT, scale=scale)
+        least = known_part(self.start_temperatures - self._zero, scale)
+        self.heat = model.field(self, "temperature", start, role=Role.CONTENT, scale=scale, least=least)
         self.fluid.carried["temperature"] = self.temperatures
         self._sources: list[list[Source]] = [[] for _ in self.fluid.batches]
 

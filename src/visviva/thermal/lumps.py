@@ -15,7 +15,7 @@ from visviva.component.component import Component, settings
 from visviva.component.limited import Limited
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
-from visviva.model.field import Role
+from visviva.model.field import FAINT, Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.thermal.carrier import CURE, HeatPort
 from visviva.thermal.celsius import refuse_below_zero, taken_for_kelvin
@@ -70,7 +70,7 @@ class Lump(Limited):
     def declare(self, model: Model) -> None:
         T = self.start_temperature
         s = self.capacity * np.log(T / self.reference)
-        self.entropy = model.field(self, "entropy", [s], role=Role.CONTENT, scale=self.capacity)
+        self.entropy = model.field(self, "entropy", [s], role=Role.CONTENT, scale=self.capacity, least=FAINT)
         self.algorithmic = model.field(self, "temperature", [T], role=Role.TEMPERATURE, scale=self.reference)
 
     def store_entropy(self, model: Model, account: int = -1, terms: Sequence[Any] = ()) -> None:

@@ -21,7 +21,7 @@ from visviva.component.values import Function, Number, NumberAtPlace
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, HeatPort, Law, known_part
 from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
@@ -149,9 +149,9 @@ class ThermalBeam(Beam, HeatCarrier):
         A, c = self._areas[0], heat.stores.c
         s = self._entropies(T, across)
         extent = self._radii[0]
-        scale = c * A * np.concatenate([[1.0], extent])
         n = len(nodes)
-        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=np.tile(scale, n), node=3)
+        scale, least = np.tile(c * A * np.concatenate([[1.0], extent]), n), known_part(T, heat.reference)
+        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale, node=3, least=least)
         values = np.column_stack([T, across])
         sizes = np.tile(heat.reference * np.concatenate([[1.0], 1 / extent]), n)
         self.algorithmic = model.field(

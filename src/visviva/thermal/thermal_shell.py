@@ -24,7 +24,7 @@ from visviva.mesh.faces import Faces
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law, known_part
 from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
@@ -162,7 +162,8 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         T, half, heat = self.start_temperatures, self._start_halves, self.heat
         warm = np.column_stack([T, half, np.zeros((len(T), self._n_modes - 2))])
         modes = self._start_entropies(warm)
-        self.entropy = model.field(self, "entropy", modes, role=Role.CONTENT, scale=heat.stores.c)
+        scale, least = heat.stores.c, known_part(T, heat.reference)
+        self.entropy = model.field(self, "entropy", modes, role=Role.CONTENT, scale=scale, least=least)
         self.algorithmic = model.field(self, "temperature", warm, role=Role.TEMPERATURE, scale=heat.reference)
 
     def _start_entropies(self, modes: Array) -> Array:

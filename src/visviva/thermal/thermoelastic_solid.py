@@ -28,7 +28,7 @@ from visviva.mesh.quadrature import Rule, mass_rule
 from visviva.model.entropies import PRODUCED
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law
+from visviva.thermal.carrier import EntropyInput, GivenTemperatures, HeatCarrier, Law, known_part
 from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.dilated_cells import CentreCells, PressedCells
 from visviva.thermal.heat import Heat, HeatLaw
@@ -141,7 +141,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         T = shared_values(self, "temperature", self._number, self.start_temperatures)
         s = self._resting_entropy(T)
         scale = float(np.abs(np.diff(self.heat.start_entropy(np.array([1.0, 2.0]) * self.heat.reference)))[0])
-        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale)
+        least = known_part(T, self.heat.reference)
+        self.entropy = model.field(self, "entropy", s, role=Role.CONTENT, scale=scale, least=least)
         self.algorithmic = model.field(
             self, "temperature", T, role=Role.TEMPERATURE, scale=self.heat.reference
         )
