@@ -250,14 +250,14 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
                                  int energy) { t.friction_account = work, t.slip_energy_account = energy; })
         .def(
             "watch",
-            [](ContactTerm& t, const Skin& skin, std::pair<bool, bool> encloses, const Ints& faces,
+            [](ContactTerm& t, const Skin& skin, std::pair<bool, bool> encloses, const Ints& faces, bool thin,
                double limit, double least, const std::string& cure) {
-                Piercing::Sides sides{skin, {encloses.first, encloses.second}, {}};
+                Piercing::Sides sides{skin, {encloses.first, encloses.second}, {}, thin};
                 sides.faces.assign(faces.data(), faces.data() + faces.size());
                 t.watch({std::move(sides), limit, least, cure});
             },
-            nb::arg("skin"), nb::arg("encloses"), nb::arg("faces"), nb::arg("limit"), nb::arg("least"),
-            nb::arg("cure"))
+            nb::arg("skin"), nb::arg("encloses"), nb::arg("faces"), nb::arg("thin"), nb::arg("limit"),
+            nb::arg("least"), nb::arg("cure"))
         .def(
             "stand_beside",
             [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },

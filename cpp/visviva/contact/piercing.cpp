@@ -14,6 +14,7 @@ constexpr double most_parts = 64;  // of a step, at which bodies are looked at o
 
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
+using Bounds = Eigen::AlignedBox<double, 3>;
 
 }  // namespace
 
@@ -63,7 +64,7 @@ double Piercing::depth(const Enclosure& body, int side, const Vector3& x) const 
 }
 
 // Whether the other body rests on the vertices of the first one about a place, whose edge or facet is a chord
-// of what is round there.
+// of what is round there. Of sheets, which chords may cross, on one where it parts from them.
 bool Piercing::spans(int side, const Enclosure& body, const Enclosure& own, const Vector3& x,
                      const std::array<Vector3, 2>& edge, double depth) const {
     constexpr double chord = 0.1;  // of its length at most, which is a seventh of a circle
@@ -75,10 +76,15 @@ bool Piercing::spans(int side, const Enclosure& body, const Enclosure& own, cons
     const Enclosure& other = side == 1 ? own : body;
     if (other.triangles().empty()) return false;
     double length = 0;
-    for (const Vector3& a : ends) {
-        if (!other.touches(a, 0.25 * limit_)) return false;
+    for (const Vector3& a : ends)
         for (const Vector3& b : ends) length = std::max(length, (a - b).norm());
-    }
+    const double beyond = of_.thin ? least_ : 0;  // what touches with its other side
+    auto touches = [&](const Vector3& a) { return other.touches(a, 0.25 * limit_ + beyond); };
+    auto is_near = [&](const Vector3& a) { return other.touches(a, chord * length); };
+    const bool held = of_.thin ? std::any_of(ends.begin(), ends.end(), touches) &&
+                                     std::all_of(ends.begin(), ends.end(), is_near)
+                               : std::all_of(ends.begin(), ends.end(), touches);
+    if (!held) return false;
     return depth <= chord * length;
 }
 
@@ -103,14 +109,16 @@ bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X
     const double after = worst.depth;
     if (parts == 1 && after <= unseen) return false;
     const double before = deepest(X0).depth;
-    if (after > unseen && after > before && (before > limit_ || after > unseen + deep * least_)) return true;
+    const bool lasts = of_.thin || before > limit_ || after > unseen + deep * least_;
+    if (after > unseen && after > before && lasts) return true;
+    const double beside = of_.thin ? before : std::max(before, after) + limit_;
     std::vector<double> X(X0.size());
     const double sag = parts > 1 ? sagitta(X0, X1, 0) + sagitta(X0, X1, 1) : 0;
     for (int part = 1; part < parts; ++part) {
         const double s = static_cast<double>(part) / parts;
         for (std::size_t i = 0; i < X.size(); ++i) X[i] = (1 - s) * X0[i] + s * X1[i];
         worst = deepest(X);
-        if (worst.depth > unseen + sag && worst.depth > std::max(before, after) + limit_ + sag) return true;
+        if (worst.depth > unseen + sag && worst.depth > beside + sag) return true;
     }
     return false;
 }
@@ -134,7 +142,6 @@ double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double
 // Looks on the way, so many that between them no body passes half of the least width of the other; none where
 // they stay apart.
 double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const {
-    using Bounds = Eigen::AlignedBox<double, 3>;
     Bounds swept[2], ways[2];
     for (int side : {0, 1})
         for (const auto& [a, b] : sides_[side].edges)
@@ -143,8 +150,35 @@ double Piercing::parts_of(const std::vector<double>& X0, const std::vector<doubl
                 swept[side].extend(x0), swept[side].extend(x1), ways[side].extend(Vector3(x1 - x0));
             }
     if (!swept[0].intersects(swept[1])) return 0;
+    if (of_.thin) {
+        double parts = 1;
+        for (int side : {0, 1})
+            parts = std::max(parts, across(X0, X1, side, swept[1 - side], ways[1 - side]));
+        return parts;
+    }
     const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
     return std::max(1.0, std::ceil(2 * way.norm() / least_));
+}
+
+// The same for sheets, which may be slid along: across their triangles, by parts of what is behind these.
+double Piercing::across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
+                        const Bounds& swept, const Bounds& ways) const {
+    constexpr double shown = 0.3;  // of the thickness, within which a place is deep enough to be found
+    double parts = 0;
+    const auto& [edges, triangles, facets] = sides_[side];
+    for (std::size_t k = 0; k < facets.size(); ++k) {
+        Bounds own;
+        Vector3 x[3], way = Vector3::Zero();
+        for (int i : {0, 1, 2}) {
+            const int v = 3 * triangles[3 * k + i];
+            x[i] = At(&X0[v]), own.extend(x[i]), own.extend(At(&X1[v])), way += (At(&X1[v]) - x[i]) / 3;
+        }
+        if (!own.intersects(swept)) continue;
+        const Vector3 n = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+        const double most = std::abs(n.dot(ways.center() - way)) + 0.5 * n.cwiseAbs().dot(ways.sizes());
+        parts = std::max(parts, std::ceil(most / (shown * std::max(of_.skin.behind[facets[k]], least_))));
+    }
+    return parts;
 }
 
 DeepPlace Piercing::deepest(const std::vector<double>& X) const {

@@ -1,6 +1,7 @@
 // How deep bodies are in each other beside what their gaps see: edges that pierce the other surface.
 #pragma once
 #include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <array>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ class Piercing {
         Skin skin;
         bool encloses[2];         // whether they are closed; else lines that may be in the other one
         std::vector<char> faces;  // whether each facet is one by which they may touch
+        bool thin = false;  // whether all that they enclose is sheets, which are left by their other side
     };
 
     /// Two sides, `limit` the depth from which on they may not be in each other unseen, the `least` of their
@@ -57,6 +59,8 @@ class Piercing {
     double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
     double parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
+    double across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
+                  const Eigen::AlignedBox3d& swept, const Eigen::AlignedBox3d& ways) const;
 
     Sides of_;
     double limit_, least_;

@@ -120,7 +120,9 @@ class Surface:
         if self.whole is not None:
             every = {where_of(corners): k for k, corners in enumerate(self.whole._corners())}
             return self.whole.sights[[every[where_of(corners)] for corners in self._corners()]]
-        if self.extent is not None:  # a line has no sides
+        if self.extent is not None or (
+            self.dimension == 3 and (self.facets[:, 2:] < 0).all()
+        ):  # lines have no sides
             return np.full((len(self.facets), 2), np.inf)
         found = _core.sights(self.dimension, self.places.ravel(), self.facets.astype(np.int32).ravel())
         return np.asarray(found).reshape(-1, 2)

@@ -14,6 +14,7 @@ from visviva.body.solid import Solid
 from visviva.component.point import Attachable
 from visviva.contact.bars import bars_of, is_bar
 from visviva.contact.contact_surface import Surface, mesh_bodies, of_vectors, skin, surface_of, where_of
+from visviva.contact.hull import hull_of, touching
 from visviva.contact.obstacle import Obstacle
 from visviva.mesh.faces import Faces
 
@@ -71,11 +72,20 @@ def deforming(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | No
         return None  # balls are exact
     if is_bar(second) or (is_bar(first) and contact.enforcement == "penalty"):  # touch all along
         return None
+    if _are_thin(contact):
+        return (first, second) if hull_of(first) or hull_of(second) else None
     closed = [_encloses(body) for body in (first, second)]
     extends = all(
         is_closed or mesh_bodies(body) for body, is_closed in zip((first, second), closed, strict=True)
     )
     return (first, second) if any(closed) and extends else None
+
+
+def _are_thin(contact: Contact) -> bool:
+    """Two bodies of which none is thicker than its section."""
+    return len(mesh_bodies(contact.first, contact.second)) == 2 and not any(
+        map(_encloses, (contact.first, contact.second))
+    )
 
 
 def _is_averaged(contact: Contact) -> bool:
@@ -111,15 +121,24 @@ def watch(contact: Contact, term: _core.ContactTerm) -> None:
         contact._pair.check_finer(own, float(np.linalg.norm(np.ptp(other.places, axis=0))))
     sides = _side(contact, first, contact.first_faces), _side(contact, second, contact.second_faces)
     surfaces = [side.surface for side in sides]
-    least = min(_width(side.surface, surfaces[0].dimension) for side in sides if side.encloses)
+    wholes = [
+        side.surface if _encloses(body) else whole_surface(contact, body)  # hulls are thinner at kinks
+        for side, body in zip(sides, pairing, strict=True)
+        if side.encloses
+    ]
+    least = min(_width(whole, surfaces[0].dimension) for whole in wholes)
     closed = sides[0].encloses, sides[1].encloses
     touches = np.concatenate([side.touches for side in sides]).astype(np.int32)
     deep = _deep(contact, all(closed)) * least
-    term.watch(skin(*surfaces, sees=False), closed, touches, deep, least, _cure(contact, pairing))
+    thin = _are_thin(contact)
+    term.watch(skin(*surfaces, sees=thin), closed, touches, thin, deep, least, _cure(contact, pairing))
 
 
 def _side(contact: Contact, body: Attachable | Obstacle, faces: str | Faces) -> Side:
     """Faces that are named are told apart of what deforms: what is pressed beside them is meant to be free."""
+    hull = hull_of(body) if _are_thin(contact) else None
+    if hull is not None:
+        return Side(hull, True, touching(body, hull, faces))
     if not _encloses(body):
         lines = _lines(contact, body, faces)
         return Side(lines, False, np.ones(len(lines.facets), dtype=bool))
