@@ -204,6 +204,73 @@ def test_of_many_wells_two_beside_each_other_are_phases() -> None:
     assert found.high - found.low == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("start", [(0.5, 0.5), (0.48, 0.52), (0.35, 0.45)])
+def test_energies_are_asked_for_few_values(start: tuple[float, float]) -> None:
+    """Waves, whose wells go on for ever, and what falls for ever: some windows of samples, and some Newton steps."""
+    asked: list[int] = []
+
+    def counted(function: Any) -> Any:
+        return vv.UserFreeEnergy(function=lambda c: (asked.append(np.size(c)), function(c))[1])
+
+    found = interface(counted(lambda c: np.cos(2 * np.pi * c)), 1.0, start)
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((-0.5, 0.5))
+    assert not found.alone
+    assert len(asked) < 150
+    assert sum(asked) < 60_000
+    assert interface(counted(lambda c: c**3 - 3 * c**2), 1.0, start) is None
+    assert len(asked) < 300
+    assert sum(asked) < 240_000
+
+
+@pytest.mark.parametrize("start", [(0.45, 0.55), (0.5, 0.5), (0.4, 0.4)])
+def test_corners_and_rounding_of_functions_are_no_phases(start: tuple[float, float]) -> None:
+    """A parabola as a table, in single precision, and with noise separates nowhere."""
+    t, noise = np.linspace(0, 1, 41), np.random.default_rng(1)
+    for parabola in (
+        lambda c: np.interp(np.real(c), t, (t - 0.4) ** 2),
+        lambda c: (1 + (np.real(c) - 0.4) ** 2).astype(np.float32).astype(float),
+        lambda c: (np.real(c) - 0.4) ** 2 + 1e-6 * noise.random(np.size(c)),
+    ):
+        assert interface(vv.UserFreeEnergy(function=parabola), 1.0, start) is None
+
+
+@pytest.mark.parametrize("start", [(0.45, 0.55), (0.5, 0.5), (0.05, 0.06)])
+def test_wells_of_rough_functions_are_phases(start: tuple[float, float]) -> None:
+    t = np.linspace(-1, 2, 1201)
+    for wells in (
+        lambda c: np.interp(np.real(c), t, (t * (1 - t)) ** 2),
+        lambda c: (1 + (c * (1 - c)) ** 2).real.astype(np.float32).astype(float),
+    ):
+        found = interface(vv.UserFreeEnergy(function=wells), 1.0, start)
+        assert found is not None
+        assert (found.low, found.high) == pytest.approx((0.0, 1.0), abs=2e-3)
+        assert found.tension == pytest.approx(np.sqrt(2) / 6, rel=1e-3)
+        assert found.alone
+
+
+@pytest.mark.parametrize("start", [(0.2, 0.8), (0.5, 0.5), (0.5, 0.9)])
+def test_wells_in_a_plain_are_phases(start: tuple[float, float]) -> None:
+    """Two Gaussian wells, each at its own place as the other is far away."""
+    energy = vv.UserFreeEnergy(
+        function=lambda c: -np.exp(-50 * (c - 0.2) ** 2) - np.exp(-50 * (c - 0.8) ** 2)
+    )
+    found = interface(energy, 1.0, start)
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((0.2, 0.8))
+    assert found.alone
+
+
+def test_functions_have_other_wells_where_polynomials_have_them() -> None:
+    for wells, alone in (((0, 1), True), ((0, 1, 3), False), ((-4, 0, 1), False), ((0, 1, 9), False)):
+        known = roots(*wells)
+        for energy in (known, vv.UserFreeEnergy(function=known.polynomial)):
+            found = interface(energy, 1.0, (0.1, 0.9))
+            assert found is not None
+            assert (found.low, found.high) == pytest.approx((0, 1), abs=1e-9)
+            assert found.alone == alone
+
+
 @pytest.mark.parametrize("start", ["front", "less"])
 def test_a_front_has_its_area(start: str) -> None:
     body = order(STARTS[start])

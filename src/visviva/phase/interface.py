@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite
+from visviva.base.errors import NotFinite, RunError
 from visviva.phase.free_energy import DoubleWell, FreeEnergy, UserFreeEnergy
 
 Array = NDArray[np.float64]
@@ -18,8 +18,14 @@ SAMPLES = 4001
 """Compositions at which an energy is looked at."""
 FINE = 1000
 """Of these between the phases, at least."""
-WIDER = 60
+NEAR = 200
+"""Of these to a bound: what ends so near to it may go on beyond, where values are rounded."""
+WIDER = 25
 """Times that the part where phases are looked for is doubled, unless they lie inside."""
+HALVED = 12
+"""Times that what it grows by is halved, where an energy has no values."""
+BESIDE = 10
+"""Widths beside phases where others are looked for."""
 LEVEL = 1e-6
 """Differences of wells, over what is between them, that are none."""
 EDGE = 1e-9
@@ -58,9 +64,9 @@ class Interface:
 def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | None:
     """The interface of an energy with a gradient energy; None if nothing separates.
 
-    Where phases are is told by the energy alone, if it is of logarithms, a double well, or another polynomial that is
-    bounded below. For others they are looked for about `start`, the least and largest value at the start, and from 0 to
-    1, farther away as long as the energy falls there. Of several pairs it is that which the start lies in most.
+    Of several pairs of phases it is that which the start lies in most. Energies of logarithms, double wells, and other
+    polynomials that are bounded below tell all that they have; of others they are looked for about `start`, the least
+    and largest value at the start, and from 0 to 1, farther away as long as the pair goes on there.
 
     Examples
     --------
@@ -68,17 +74,17 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     >>> round(found.low, 3), round(found.high, 3), round(found.width, 3), round(found.tension, 3)
     (-1.0, 1.0, 2.0, 2.667)
     """
-    pairs = phases(energy, start)
-    if not pairs:
+    found = phases(energy, start)
+    if found is None:
         return None
-    pair = max(pairs, key=lambda each: shared(each, start))
+    pair, alone = found
     c = np.linspace(*pair, SAMPLES)
     f = energy.values(c)
-    df = f - np.interp(c, pair, f[[0, -1]])
+    df = above(c, f)
     tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), c))
     width = (pair[1] - pair[0]) * float(np.sqrt(gradient / (2 * df.max())))
     wells = np.sum((df[1:-1] < df[:-2]) & (df[1:-1] <= df[2:]) & (df[1:-1] > 1e-9 * df.max()))
-    return Interface(*pair, tension, width, len(pairs) == 1 and not wells, float((f[-1] - f[0]) / df.max()))
+    return Interface(*pair, tension, width, alone and not wells, float((f[-1] - f[0]) / df.max()))
 
 
 def unclear(found: Interface, is_conserved: bool) -> str:
@@ -96,27 +102,33 @@ def shared(pair: Pair, start: Pair) -> float:
     return (most - least) / (pair[1] - pair[0])
 
 
-def phases(energy: FreeEnergy, start: Pair) -> list[Pair]:
-    """Pairs that an energy separates into."""
+def phases(energy: FreeEnergy, start: Pair) -> tuple[Pair, bool] | None:
+    """The phases of an energy that a start lies in most, and whether it has no others."""
     if isinstance(energy, DoubleWell):
-        return [(energy.low, energy.high)]
+        return (energy.low, energy.high), True
+    for low, high in bounds(energy) or windows(start):
+        if told(energy, low, high)[1]:
+            pair = searched(energy, low, high, start)
+            return pair and (pair, is_alone(energy, pair, low, high))
+    return None
+
+
+def bounds(energy: FreeEnergy) -> list[Pair]:
+    """Between which compositions all phases are; nothing where an energy does not tell."""
     if energy.has_domain:
         low, high = energy.domain
-        return tangents(energy, low + EDGE, high - EDGE)
-    if not isinstance(energy, UserFreeEnergy) and is_bounded(energy):
-        concave = spinodals(energy)
-        return searched(energy, *concave) if concave else []
-    for low, high in windows(start):
-        if found := searched(energy, low, high):
-            return found
-    return []
+        return [(low + EDGE, high - EDGE)]
+    if isinstance(energy, UserFreeEnergy) or not is_bounded(energy):
+        return []
+    low, high = spinodals(energy) or (-1.0, 1.0)
+    return [(2 * low - high, 2 * high - low)]
 
 
 def windows(start: Pair) -> list[Pair]:
     """Where the phases of a function of the user may be, the likeliest first."""
     least, most = start
     size = max(abs(least), abs(most))
-    ways = [max(0.1 * (most - least), 0.01 * size), 0.1 * size, size] if size else []
+    ways = [way for way in (0.1 * (most - least), 1e-4 * size, 0.01 * size, size) if way > 0]
     sizes = [] if size else [10.0**k for k in (*range(-2, -22, -2), *range(2, 10, 2))]
     about = [(least - way, most + way) for way in ways]
     return [*about, (min(0.0, least), max(1.0, most)), *((-a, a) for a in sizes)]
@@ -138,50 +150,65 @@ def spinodals(energy: FreeEnergy) -> Pair | None:
     return float(found[0] + energy.centre), float(found[-1] + energy.centre)
 
 
-def searched(energy: FreeEnergy, low: float, high: float) -> list[Pair]:
-    """Phases between bounds, or farther away as long as the energy falls there; none if it does so on and on."""
-    found, reach, ends = tangents(energy, low, high), high - low, False
+def searched(energy: FreeEnergy, low: float, high: float, start: Pair) -> Pair | None:
+    """The phases that a start lies in most, between bounds or farther away where they go on beyond.
+
+    None if there are none, or if they go on and on.
+    """
     for _ in range(WIDER):
-        below, above = undercuts(energy, found, low, high) if found else (False, False)
-        if not (below or above):
-            return found
-        wider = low - below * reach, high + above * reach
-        try:
-            found = tangents(energy, *wider)
-        except NotFinite:  # what it is taken from ends in between
-            ends, reach = True, 0.5 * reach
-            if reach < (high - low) / SAMPLES:
-                return found
-            continue
-        low, high = wider
-        reach = reach if ends else high - low
-    return []
+        c, found = told(energy, low, high)
+        if not found:
+            return None
+        gap = max(found, key=lambda ends: shared((c[ends[0]], c[ends[1]]), start))
+        reach, before = high - low, (low, high)
+        if gap[0] < NEAR:
+            low = farther(energy, low, -reach)
+        if gap[1] >= len(c) - NEAR:
+            high = farther(energy, high, reach)
+        if (low, high) == before:
+            return resolved(energy, low, high, c, gap)
+    return None
 
 
-def undercuts(energy: FreeEnergy, found: list[Pair], low: float, high: float) -> tuple[bool, bool]:
-    """Whether an energy is below its outermost common tangents beyond either bound, as far as it has values there."""
-    away = (high - low) * np.array([1 / SAMPLES, 0.01, 0.1])
-    return is_undercut(energy, found[0], low - away), is_undercut(energy, found[-1], high + away)
-
-
-def is_undercut(energy: FreeEnergy, found: Pair, at: Array) -> bool:
-    """Whether an energy is below a common tangent at one of some compositions."""
-    f = energy.values(np.array(found))
-    for c in at:
-        try:
-            beyond = float(energy.values(np.array([c]))[0])
-        except NotFinite:
-            return False
-        line = f[0] + (f[1] - f[0]) * (c - found[0]) / (found[1] - found[0])
-        if beyond < line - 1e-14 * np.abs(f).max():
-            return True
-    return False
-
-
-def tangents(energy: FreeEnergy, low: float, high: float) -> list[Pair]:
-    """Both ends of all common tangents from below, between bounds, in ascending order."""
+def told(energy: FreeEnergy, low: float, high: float) -> tuple[Array, list[tuple[int, int]]]:
+    """Samples between bounds, and the gaps of their hull over which an energy rises by more than it is rough."""
     c = np.linspace(low, high, SAMPLES)
-    return [resolved(energy, low, high, c, gap) for gap in gaps(c, energy.values(c))]
+    f, rough = energy.values(c), 0.0
+    if isinstance(
+        energy, UserFreeEnergy
+    ):  # of tables, or of noise, of which these differences are a multiple
+        rough = float(np.quantile(np.abs(np.diff(f, 5)), 0.99))
+    return c, [(a, b) for a, b in gaps(c, f) if above(c[a : b + 1], f[a : b + 1]).max() > rough]
+
+
+def above(c: Array, f: Array) -> Array:
+    """Energies at compositions above the line between the first and the last."""
+    return np.asarray(f - np.interp(c, c[[0, -1]], f[[0, -1]]))
+
+
+def farther(energy: FreeEnergy, end: float, reach: float) -> float:
+    """A composition as far beyond an end as an energy has values, up to some reach."""
+    for part in 0.5 ** np.arange(HALVED):
+        try:
+            with np.errstate(all="ignore"):
+                values = energy.values(np.linspace(end, end + part * reach, SAMPLES // 10))
+        except RunError:  # what the user's function is taken from ends in between
+            continue
+        if np.all(np.isfinite(values)):
+            return float(end + part * reach)
+    return end
+
+
+def is_alone(energy: FreeEnergy, pair: Pair, low: float, high: float) -> bool:
+    """Whether there are no other phases between bounds, or about those found; what goes on beyond is not counted."""
+    about = BESIDE * (pair[1] - pair[0])
+    c, found = told(
+        energy,
+        min(low, farther(energy, pair[0], -about)),
+        max(high, farther(energy, pair[1], about)),
+    )
+    middle = 0.5 * (pair[0] + pair[1])
+    return all(a < NEAR or b >= len(c) - NEAR or c[a] < middle < c[b] for a, b in found)
 
 
 def resolved(energy: FreeEnergy, low: float, high: float, c: Array, gap: tuple[int, int]) -> Pair:
@@ -220,11 +247,12 @@ def polished(energy: FreeEnergy, low: float, high: float, near: float) -> Pair:
 def gaps(c: Array, f: Array) -> list[tuple[int, int]]:
     """Neighbours in the lower convex hull of samples that are farther apart than these are."""
     hull: list[int] = []
-    for k in range(len(c)):
+    x, y = c.tolist(), f.tolist()  # floats of Python, as it is one after the other
+    for k in range(len(x)):
         while len(hull) > 1:
             a, b = hull[-2], hull[-1]
-            rounding = 2e-15 * (abs(f[a]) + abs(f[b]) + abs(f[k])) * (c[k] - c[a])
-            if (f[b] - f[a]) * (c[k] - c[a]) <= (f[k] - f[a]) * (c[b] - c[a]) + rounding:
+            rounding = 2e-15 * (abs(y[a]) + abs(y[b]) + abs(y[k])) * (x[k] - x[a])
+            if (y[b] - y[a]) * (x[k] - x[a]) <= (y[k] - y[a]) * (x[b] - x[a]) + rounding:
                 break
             hull.pop()
         hull.append(k)
@@ -234,8 +262,8 @@ def gaps(c: Array, f: Array) -> list[tuple[int, int]]:
 
 def split(c: Array, f: Array, first: int, second: int) -> list[tuple[int, int]]:
     """A common tangent between samples, at wells in between that touch it as far as samples tell."""
-    above = f - f[first] - (f[second] - f[first]) * (c - c[first]) / (c[second] - c[first])
-    bend = np.diff(f, 2)
-    k = np.arange(first + 2, second - 1)
-    touching = (above[k] <= np.minimum(above[k - 1], above[k + 1])) & (above[k] <= 0.25 * bend[k - 1])
-    return list(pairwise([first, *map(int, k[touching]), second]))
+    between = slice(first, second + 1)
+    df, bend = above(c[between], f[between]), np.diff(f[between], 2)
+    k = np.arange(2, second - first - 1)
+    touching = (df[k] <= np.minimum(df[k - 1], df[k + 1])) & (df[k] <= 0.25 * bend[k - 1])
+    return list(pairwise([first, *(first + k[touching]).tolist(), second]))
