@@ -490,3 +490,30 @@ def test_gains_before_a_run_was_resumed_are_known(share: float, tmp_path: Path) 
         assert result.ledger.sizes.groups is not None
         spans.append(result.ledger.sizes.groups.span)
     assert np.array_equal(*spans)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BDF2()], ids=repr)
+def test_heat_hides_no_work_that_is_not_booked_beside_it(scheme: vv.Scheme) -> None:
+    """Of 5 J 1.5 were not booked, which are little beside 3e6 J of heat in a body that has nothing to do with it."""
+    for share, begins in ((0.0, "conserved"), (0.3, "WRONG, as this scheme is to")):
+        body = vv.ThermalBody(
+            mesh=vv.BoxMesh(size=(0.1, 0.1, 0.1), counts=(1, 1, 1)), conductivity=50.0, capacity=460.0,
+            density=7800.0, temperature=300.0,
+        )  # fmt: skip
+        heat = vv.HeatFlux(body=body, faces="x1", flux=3e8)
+        result = vv.simulate(vv.System([*drawn(share), body, heat]), until=1.0, step=0.01, scheme=scheme)
+        assert energy_verdict(result).startswith(begins)
+
+
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha()], ids=repr)
+def test_schemes_of_second_order_may_give_back_what_they_took(scheme: vv.Scheme) -> None:
+    """A mass on a spring that hangs: gains and losses both fall with the square of the step."""
+    gains = []
+    for h in (0.01, 0.005):
+        ground, mass = vv.Ground(), vv.PointMass(mass=1.0, position=(1.3, 0, 0))
+        spring = vv.Spring(a=ground.point(), b=mass.point(), stiffness=40.0, free_length=1.0)
+        system = vv.System([ground, mass, spring, vv.Gravity()])
+        result = vv.simulate(system, until=2.0, step=h, scheme=scheme)
+        assert energy_verdict(result).startswith("not meant to be conserved by this scheme")
+        gains.append(result.ledger.greatest("imbalance"))
+    assert np.log2(gains[0] / gains[1]) == pytest.approx(2.0, abs=0.1)

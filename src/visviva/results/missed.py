@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import NO_VALUE, VisvivaError
 from visviva.model.field import Role
 from visviva.results.outside import hanging_together, untold
 from visviva.results.spread import BROUGHT, Spread
@@ -140,7 +141,7 @@ class Missed:
                 if system.model.driving.drives:
                     missed[n:] += self._drives(time0, x0, time1, x1)
                 return missed
-        except Exception:  # functions of the user may raise where nothing was computed yet
+        except (VisvivaError, *NO_VALUE):  # functions of the user may fail where nothing was computed yet
             return np.full(n + int(self._holds.sum()), np.nan)
 
     def _energies(self, time: float, x: Array) -> Array:
