@@ -105,7 +105,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "no constraint": (
         lambda: vv.Constraint(of=[BALL], function=lambda x: [x[0]], n=0, name="c"), "Constraint 'c': n = 0 constraints"
     ),
-    "steps that never grow": (lambda: Adaptive(easy=0), "Adaptive: easy = 0"),
     "bounds in the wrong order": (lambda: Adaptive(min_step=1.0, max_step=0.1), "Adaptive: min_step = 1.0 is longer"),
     **{
         f"{kind.__name__} with itself": (lambda kind=kind: twice(kind), "'link'.*'arm' with itself")  # type: ignore[misc]

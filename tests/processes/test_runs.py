@@ -182,6 +182,31 @@ def test_other_processes_keep_no_states_and_have_the_same_result(tmp_path: Path)
         assert done.stdout.splitlines()[-1] == f"True {n} {n} (1, 0)"
 
 
+CHOSEN = """
+import visviva as vv
+from visviva.base.world import world
+
+mesh, rubber = vv.BoxMesh(size=(4, 0.4, 0.4), counts=(12, 2, 2)), vv.NeoHooke(young=1000.0, poisson=0.3)
+turning = vv.System([vv.Solid(mesh=mesh, material=rubber, density=1.0, angular_velocity=(0, 0, 1), name="bar")])
+moved = vv.simulate(turning, until=1.0, step=0.05, adaptive=vv.Adaptive(tolerance=1e-3))
+beam = vv.Solid(mesh=mesh, material=rubber, density=1.0, name="beam")
+hung = vv.System([beam, vv.Fixed(solid=beam, nodes="x0"), vv.Gravity(acceleration=(0, 0, -2.0))])
+rested = vv.equilibrium(hung)
+if world().rank == 0:
+    print(*moved.times, len(rested.ledger["time"]), *turning.x, *hung.x)
+"""
+
+
+def test_lengths_of_steps_do_not_hinge_on_how_many_iterations_a_solver_took(tmp_path: Path) -> None:
+    """Those of `Adaptive` took 8 by conjugate gradients for 9 by factors, and then grew; those downhill, too."""
+    script = tmp_path / "chosen.py"
+    script.write_text(CHOSEN, encoding="utf-8")
+    runs = [launched(n, str(script)) for n in (0, 2)]
+    assert not any(done.returncode for done in runs), runs[1].stderr
+    alone, two = (np.array(done.stdout.split(), dtype=float) for done in runs)
+    assert two == pytest.approx(alone, abs=1e-9)
+
+
 FAILS = """
 import visviva as vv
 from visviva.base.world import world

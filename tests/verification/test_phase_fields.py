@@ -212,7 +212,7 @@ def test_deep_quench(degenerate: bool) -> None:
     )
     system = vv.System([body])
     mass = body.integral(system.x)
-    rule = vv.Adaptive(tolerance=3e-3, max_step=20.0, easy=15)
+    rule = vv.Adaptive(tolerance=3e-3, max_step=20.0)
     result = vv.simulate(system, until=50.0, step=0.05, adaptive=rule)
     c = body.values(system.x)
     assert 0 < c.min() < 2e-3

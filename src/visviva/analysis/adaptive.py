@@ -31,13 +31,14 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class Adaptive(metaclass=Validated):
-    """Chooses step sizes by the estimated error of each step and by how hard it was to solve.
+    """Chooses step sizes by the estimated error of each step.
 
     The increment of a step is compared with the explicit two-step formula of second order, which differs from
     the scheme's own error by a known factor (Milne's device); a PI controller chooses the next step. Velocities of
     fluids and of what has no mass, of which the midpoint rule and backward Euler know the mean rates of steps, are
     compared over two steps at a time, in which what swings from step to step cancels: no step is short enough to
-    resolve that.
+    resolve that. A step that had to be shortened, since its error was too large or it did not converge, is followed by
+    none that is longer.
 
     Impacts of rigid bodies by multipliers leave no trace in the increment: there what the bodies came deeper into each
     other in the step is its error.
@@ -53,24 +54,17 @@ class Adaptive(metaclass=Validated):
         it starts with, what it is given at the start, the distance of phases, or a hundredth of what is uniform.
     min_step, max_step : float
         Bounds; without them 1e-6 and 100 times the given step.
-    easy : int
-        The step grows only after solutions that took at most this many iterations.
     """
 
     tolerance: float = 1e-5
     min_step: float | None = None
     max_step: float | None = None
-    easy: int = 8
 
     def __post_init__(self) -> None:
         for what in ("tolerance", "min_step", "max_step"):
             value = getattr(self, what)
             if value is not None and not (value > 0 and np.isfinite(value)):
                 raise InputError(f"Adaptive: {what} = {value} is not a positive number")
-        if self.easy < 1:
-            raise InputError(
-                f"Adaptive: easy = {self.easy} is not a positive number, so that steps never grow"
-            )
         if None not in (self.min_step, self.max_step):
             self.bounds(1.0)
 
@@ -168,6 +162,7 @@ def adaptive_steps(
     depths = pace[NAME].arrays["depths"] if NAME in pace else overlaps(system)
     sizes = _Sizes(system, pace[NAME].arrays["reached"] if NAME in pace else None)
     system.clock.refuse_short(until, step, begins=system.stepper.is_given)
+    shortened = False
     while not system.clock.has_reached(until):
         left = next_kink(system, until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
@@ -182,19 +177,19 @@ def adaptive_steps(
             if error > 1 and taken > low * (1 + 1e-6):  # what is left at the end may be longer by rounding
                 system.core.discard()
                 system.stepper.rejected += 1
-                h = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low)
+                h, shortened = max(taken * max(0.9 * error ** (-1 / 3), 0.2), low), True
                 continue
             system.accept(attempt, scheme)
         except StepFailure:
             system.stepper.rejected += 1
             if taken <= low:
                 raise
-            h = max(0.5 * taken, low)
+            h, shortened = max(0.5 * taken, low), True
             continue
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         depths, sizes.reached = there, reached
-        proposed = next_step(taken, h, error, last, attempt.report.iterations <= rule.easy)
-        h, last = float(np.clip(proposed, min(low, h), high)), error
+        proposed = next_step(taken, h, error, last, 1.0 if shortened else 2.0)
+        h, last, shortened = float(np.clip(proposed, min(low, h), high)), error, False
         steps = np.array([h, last, taken, estimate.before])
         carried = {"steps": steps, "rates": rates, "depths": depths, "reached": reached}
         pace[NAME] = Record(NAME, VERSION, carried)
@@ -206,10 +201,10 @@ def overlaps(system: System) -> Array:
     return np.concatenate([np.zeros(0), *(c.overlaps for c in system.components)])
 
 
-def next_step(taken: float, planned: float, error: float, last: float, easy: bool) -> float:
-    """PI control for an error of third order; small changes are not worth a new factorisation."""
+def next_step(taken: float, planned: float, error: float, last: float, most: float) -> float:
+    """PI control for an error of third order by a factor of at `most`; small changes are not worth a new factorisation."""
     factor = 0.9 * error ** (-0.7 / 3) * last ** (0.4 / 3)
-    factor = min(max(factor, 0.3), 2.0 if easy else 1.0)
+    factor = min(max(factor, 0.3), most)
     if 0.9 <= factor <= 1.2:
         factor = 1.0
     proposed: float = taken * factor

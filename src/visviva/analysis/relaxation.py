@@ -175,7 +175,7 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
     """Go downhill under the loads of time ``system.time + h`` until nothing moves."""
     inverse = np.where(system.order > 0, system.inverse_scale, 0.0)
     first = duration = natural_time(system, inverse)
-    failures = 0
+    failures = 0  # in a row
     for _ in range(most):
         scheme = Relaxation(duration=duration)
         try:
@@ -190,11 +190,11 @@ def relax(system: System, result: Result, books: Bookkeeper, h: float, most: int
             duration /= 4
             continue
         size, mover = float(moves.max()), int(np.argmax(moves))
-        h = 0.0
+        h, shortened, failures = 0.0, failures > 0, 0
         record(result, books, attempt.report.iterations, attempt.report.factorizations)
         if size <= AT_REST and duration >= min(first * 30, LONGEST * first):
             return
-        if attempt.report.iterations <= 8:
+        if not shortened:
             duration = min(2 * duration, LONGEST * first)
     component, unknown = system.describe(mover)
     raise RunError(
