@@ -202,7 +202,7 @@ def overlaps(system: System) -> Array:
 
 
 def next_step(taken: float, planned: float, error: float, last: float, most: float) -> float:
-    """PI control for an error of third order by a factor of at `most`; small changes are not worth a new factorisation."""
+    """PI control for an error of third order, up to the factor `most`; small changes are not worth factorising anew."""
     factor = 0.9 * error ** (-0.7 / 3) * last ** (0.4 / 3)
     factor = min(max(factor, 0.3), most)
     if 0.9 <= factor <= 1.2:
