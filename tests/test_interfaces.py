@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import visviva as vv
 from visviva.phase.interface import interface
@@ -293,6 +294,42 @@ def test_the_area_follows_phases_of_the_time_being() -> None:
         vv.simulate(system, until=60.0, step=2.0, scheme=vv.BackwardEuler())
         areas.append(vv.InterfaceArea(body=body)(system))
     assert areas[0] == pytest.approx(areas[1], rel=0.02)
+
+
+def quenched(temperature: Any, gradient: float = 1.0) -> vv.CahnHilliard:
+    """A regular solution with cells of 3; interfaces at 600 K are 1.95 wide for a gradient energy of 1."""
+    R = 8.31446261815324
+    return vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(60, 6), counts=(20, 2)),
+        free_energy=vv.RegularSolution(temperature=temperature, excess=(2 * R * 1000,), volume=R * 1000),
+        gradient_energy=gradient,
+        concentration=lambda X: 0.5 + 0.1 * np.cos(2 * np.pi * X[:, 0] / 30),
+    )
+
+
+def test_interfaces_that_become_too_thin_are_refused() -> None:
+    said = r"an interface is 1\.95 wide at t = 0\.5, the distance of its nodes 3: .* gradient_energy of 9\.47"
+    for hot in (1100.0, 990.0):
+        with pytest.raises(vv.InputError, match=said):
+            quenched([[0, hot], [0.5, 600.0], [1000, 600.0]])
+    with pytest.raises(vv.InputError, match=r"an interface is 1\.95 wide, the distance"):
+        quenched([[0, 600.0], [0.5, 1100.0]])
+
+
+@pytest.mark.parametrize("cooling", ["1100 - 10*t", lambda t: 1100 - 10 * t])
+def test_runs_end_where_interfaces_become_too_thin(cooling: Any) -> None:
+    """Where an expression or a function leads is known when a run gets there."""
+    system = vv.System([quenched(cooling)])
+    with pytest.raises(vv.InputError, match=r"CahnHilliard.*: an interface is 5\.67 wide at t = 16,"):
+        vv.simulate(system, until=50.0, step=1.0, scheme=vv.BackwardEuler())
+
+    def width(time: float) -> float:  # sqrt(kappa / 2 df), of equal phases about a half
+        T = 1.1 - 0.01 * time
+        c = brentq(lambda c: T * np.log(c / (1 - c)) - 4 * c + 2, 0.5001, 0.9999)
+        rise = T * np.log(0.5) + 0.5 - T * (c * np.log(c) + (1 - c) * np.log(1 - c)) - 2 * c * (1 - c)
+        return float((2 * c - 1) / np.sqrt(2 * rise))
+
+    assert width(system.time) > 6 > width(system.time + 1)
 
 
 def test_grains_have_the_phases_that_are_given() -> None:

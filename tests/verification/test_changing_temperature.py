@@ -18,7 +18,7 @@ def temperature(t: float) -> float:
 
 def alloy(**options) -> vv.CahnHilliard:
     settings = {
-        "mesh": vv.RectangleMesh(size=(8, 1), counts=(32, 1), cell="quad9"),
+        "mesh": vv.RectangleMesh(size=(8, 1), counts=(32, 2), cell="quad9"),
         "free_energy": vv.RegularSolution(
             temperature=temperature, excess=[lambda T: 5.0 - 0.4 * T], gas_constant=R
         ),
@@ -111,7 +111,12 @@ def test_solids_too() -> None:
 
 def test_a_temperature_that_vanishes_in_time_is_refused_with_the_time() -> None:
     system = vv.System(
-        [alloy(free_energy=vv.RegularSolution(temperature="1 - t", excess=[5.0], gas_constant=R))]
+        [
+            alloy(
+                free_energy=vv.RegularSolution(temperature="1 - t", excess=[5.0], gas_constant=R),
+                gradient_energy=5.0,
+            )
+        ]
     )
     with pytest.raises(vv.InputError, match=r"RegularSolution: temperature = .* at t = .* is not positive"):
         vv.simulate(system, until=2.0, step=0.1)

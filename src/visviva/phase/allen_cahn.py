@@ -18,7 +18,7 @@ from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.phase.free_energy import FreeEnergy
 from visviva.phase.mobility import Mobility, mobility_of
-from visviva.phase.phase_body import PhaseBody
+from visviva.phase.phase_body import PhaseBody, stride
 
 if TYPE_CHECKING:
     from visviva.component.component import RateConstraints
@@ -104,7 +104,7 @@ class AllenCahn(PhaseBody):
                 one = np.ones((table.size.shape[1], 1, 1))
                 groups.append(Group(np.full((len(table.numbers), 1), self.load.start), one))
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, self._stride)
+            term.limit(0, stride(self))
             self.drive(model, self, term)
 
     def rate_constraints(self, state: State) -> RateConstraints | None:

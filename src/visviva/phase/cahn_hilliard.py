@@ -21,7 +21,7 @@ from visviva.model.field import Role
 from visviva.model.points import PhysicsKind, add_points
 from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
 from visviva.phase.mobility import Mobility, mobility_of
-from visviva.phase.phase_body import PhaseBody
+from visviva.phase.phase_body import PhaseBody, stride
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -132,7 +132,7 @@ class CahnHilliard(PhaseBody):
                 kind, weights = PhysicsKind.SMOOTH_MIXTURE, table.smooth_columns()
             groups = [self.group(f, table, weights) for f in (self.phase, self.potential) if f is not None]
             term = add_points(model, self, kind, groups, table.size, self.constants(), energy=energy)
-            term.limit(0, self._stride)
+            term.limit(0, stride(self))
             self.drive(model, self, term)
 
     @property

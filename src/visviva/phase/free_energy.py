@@ -41,8 +41,18 @@ class FreeEnergy(Unchanging):
         """Whether its temperature is a function of time; what it knows is then that at the start."""
         return not is_constant(self.temperature)
 
+    @property
+    def turns(self) -> list[float]:
+        """Times from the start on at which its temperature turns, as far as they are known: those of a table."""
+        source = self.temperature.source if self.changes else ()
+        return [t for t, _ in source if t > 0] if isinstance(source, tuple) else []
+
     def at(self, time: float) -> FreeEnergy:
         """The energy at a time."""
+        return self.heated(temperature_at(self, time)) if self.changes else self
+
+    def heated(self, temperature: float) -> FreeEnergy:
+        """The energy at a temperature that stays."""
         return self
 
     def positive(self, *names: str) -> None:
@@ -234,8 +244,8 @@ class RegularSolution(FreeEnergy):
         mixed = Polynomial([0.25, 0.0, -1.0]) * series
         self.polynomial = (mixed + Polynomial([0.5 * (first + second), second - first])) / self.volume
 
-    def at(self, time: float) -> FreeEnergy:
-        return replace(self, temperature=temperature_at(self, time)) if self.changes else self
+    def heated(self, temperature: float) -> FreeEnergy:
+        return replace(self, temperature=temperature)
 
 
 @dataclass(config=settings, kw_only=True)

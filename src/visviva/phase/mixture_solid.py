@@ -31,7 +31,7 @@ from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
 from visviva.phase.interface import Interface
 from visviva.phase.mobility import Mobility
-from visviva.phase.phase_body import first_point, missed_mobility
+from visviva.phase.phase_body import first_point, missed_mobility, stride
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -270,7 +270,7 @@ class MixtureSolid(Limited, Solid):
         groups = [Group(self.carriers.unknowns(at.nodes), at.gradients, mass, True)]
         groups += [Group(f.start + table.numbers, table.columns()) for f in (self.phase, self.potential) if f]
         term = add_points(model, self, kind, groups, at.volume, self.constants())
-        term.limit(1, self.chemistry._stride)
+        term.limit(1, stride(self.chemistry))
         self.chemistry.drive(model, self, term)
         self._stressed.append(at)
         return looks.elements(cell, first)

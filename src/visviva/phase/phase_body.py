@@ -24,7 +24,7 @@ from visviva.mesh.spline import SplineSource
 from visviva.model.callback import Function
 from visviva.model.field import FAINT, Field, Role
 from visviva.model.points import Group
-from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy
+from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy, temperature_at
 from visviva.phase.interface import Interface, interface
 from visviva.phase.mobility import Mobility
 
@@ -37,6 +37,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+WARMER = 0.01
+"""Of temperatures, by which steps of those are apart at which interfaces are looked at ahead."""
 NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
 
@@ -69,6 +71,8 @@ class PhaseBody(Limited, Meshed):
     level_at_sides = False
     scale: float
     _found: tuple[FreeEnergy, Interface | None] | None = None
+    _resolved: frozenset[int] = frozenset()
+    """Temperatures, counted by their logarithm, at which interfaces are known to be wide enough."""
     cure = "take a mesh of cells without nodes between their corners"
     """Of logarithms that act inside of elements only."""
     lumps = True
@@ -86,7 +90,8 @@ class PhaseBody(Limited, Meshed):
         self.start_values = self._sampled(given)
         self._refuse_outside()
         self._refuse_missed()
-        self._refuse_thin_interfaces()
+        for time in (0.0, *self.free_energy.turns):
+            self._refuse_thin_interface(time)
 
     def _space(self) -> ScalarSpace:
         if isinstance(self.mesh, SplineSource):
@@ -136,33 +141,49 @@ class PhaseBody(Limited, Meshed):
         """The flat interface between its phases at a time, across the direction of the least gradient energy."""
         energy = self.free_energy.at(time)
         if self._found is None or self._found[0] is not energy:
-            stiffnesses = self._stiffnesses()
-            found = interface(energy, float(stiffnesses.min()), self._start)
-            alike = bool(np.ptp(stiffnesses) <= 1e-12 * stiffnesses.max())
-            self._found = energy, found and replace(found, alike=alike)
+            self._found = energy, self._interface_of(energy)
         return self._found[1]
+
+    def _interface_of(self, energy: FreeEnergy) -> Interface | None:
+        stiffnesses = self._stiffnesses()
+        found = interface(energy, float(stiffnesses.min()), self._start)
+        return found and replace(found, alike=bool(np.ptp(stiffnesses) <= 1e-12 * stiffnesses.max()))
 
     def _stiffnesses(self) -> Array:
         """Principal values of its gradient energy in the directions of its mesh."""
         d = self.grid.points.shape[1]
         return np.asarray(np.linalg.eigvalsh(full(self._tensor)[:d, :d]))
 
-    def _refuse_thin_interfaces(self) -> None:
+    def _refuse_thin_interface(self, time: float) -> None:
         try:
-            found = self.interface()
+            found = self.interface(time)
         except NotFinite as error:
             low, high = min(0.0, *self._start), max(1.0, *self._start)
             raise InputError(
                 f"{self.label}: {error}; phases are looked for from {low:g} to {high:g}: take vv.FloryHuggins or "
                 "vv.RegularSolution for logarithms, or let it have values there too, where c * np.log(c) has none at 0"
             ) from None
-        if found is not None and found.width < 2 * self.space.spacing * (1 - 1e-9):
-            wider = 2 * self.space.spacing / found.width
+        if found is not None and self._is_thin(found):
+            wider, when = 2 * self.space.spacing / found.width, f" at t = {time:g}" if time else ""
             raise InputError(
-                f"{self.label}: an interface is {found.width:.3g} wide, the distance of its nodes "
+                f"{self.label}: an interface is {found.width:.3g} wide{when}, the distance of its nodes "
                 f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
                 f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
             )
+
+    def _is_thin(self, found: Interface) -> bool:
+        return found.width < 2 * self.space.spacing * (1 - 1e-9)
+
+    def _refuse_thin_on_the_way(self, time: float) -> None:
+        """Refuse interfaces that are too thin at a time: they are looked at once for all temperatures nearby."""
+        now = int(np.floor(np.log(temperature_at(self.free_energy, time)) / WARMER))
+        if now in self._resolved:
+            return
+        near = [self._interface_of(self.free_energy.heated(np.exp(WARMER * k))) for k in (now, now + 1)]
+        if any(found is not None and self._is_thin(found) for found in near):
+            self._refuse_thin_interface(time)
+        else:
+            self._resolved |= {now}
 
     def remarks(self) -> list[str]:
         """Between corners nothing keeps nodes in the domain of logarithms, only quadrature points."""
@@ -205,13 +226,6 @@ class PhaseBody(Limited, Meshed):
         faint = FAINT * float(np.abs(values).max()) if found is None else 0.0
         return max(float(np.ptp(values)), faint)
 
-    @property
-    def _stride(self) -> float:
-        """By how much the field may change in an iteration: not past what is between phases, or past logarithms."""
-        if self.free_energy.has_domain:
-            return 0.5
-        return 0.5 * self.scale if self.interface() is not None else np.inf
-
     def constants(self, time: float = 0.0) -> list[float]:
         """Of energy and mobility at a time, see ``visviva/point/mixture.hpp``."""
         energy, mobility = self.free_energy.at(time), self._mobility.at(time)
@@ -222,7 +236,13 @@ class PhaseBody(Limited, Meshed):
         changing = [part for part in (self.free_energy, self._mobility) if part.changes]
         if not changing:
             return
-        constants = lru_cache(maxsize=8)(self.constants)
+
+        @lru_cache(maxsize=8)
+        def constants(time: float) -> list[float]:
+            if self.free_energy.changes:
+                self._refuse_thin_on_the_way(time)
+            return self.constants(time)
+
         n, first = len(self.free_energy.constants()), len(self.free_energy.constants()) + len(self._tensor)
         places = [*range(n)] * self.free_energy.changes
         places += [*range(first, len(constants(0.0)))] * self._mobility.changes
@@ -311,6 +331,13 @@ class PhaseBody(Limited, Meshed):
             f"{self.label} has a {self.quantity} of {c[worst]:.4g} at node {worst} near ({at}), outside of the "
             f"logarithms of {type(self.free_energy).__name__}; shorter steps stay inside"
         )
+
+
+def stride(body: PhaseBody) -> float:
+    """By how much a field may change in an iteration: not past what is between phases, or past logarithms."""
+    if body.free_energy.has_domain:
+        return 0.5
+    return 0.5 * body.scale if body.interface() is not None else np.inf
 
 
 def missed_mobility(body: PhaseBody, label: str, c: Array) -> str:
