@@ -553,3 +553,25 @@ def test_rounding_of_strong_forces_is_no_momentum() -> None:
     result = vv.simulate(vv.System([block, bath]), until=2.0, step=1.0)
     kept = [j for j in judgements(result) if "momentum" in j.what]
     assert [j.verdict for j in kept] == ["conserved"] * 2
+
+
+def test_rounding_of_energies_that_hardly_change_is_no_gain() -> None:
+    """Of a strip of two phases: energies of 0.004 change by 1e-20, the balance by rounding, by 8e-18."""
+    strip = vv.MixtureSolid(
+        mesh=vv.RectangleMesh(size=(20, 1), counts=(40, 12), cell="quad9"),
+        material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.0),
+        free_energy=vv.DoubleWell(barrier=1e-3),
+        gradient_energy=1.8e-4,
+        mobility=1e-12,
+        concentration=lambda X: 0.5 + 0.5 * np.tanh((X[:, 1] - 0.5) / 0.15),
+        eigenstrain=1e-4,
+    )
+    p = strip.grid.points
+    middle, below = (int(np.argmin(np.linalg.norm(p[:, :2] - [10, y], axis=1))) for y in (0.5, 0.0))
+    held = [
+        vv.Fixed(solid=strip, nodes=[middle]),
+        vv.Prescribed(solid=strip, nodes=[below], motion=(0, None, None)),
+    ]
+    result = vv.simulate(vv.System([strip, *held]), until=1e-3, step=5e-4, scheme=vv.BackwardEuler())
+    assert 0 < result.ledger.size("imbalance") < 1e-14 * result.ledger.size("total")
+    assert energy_verdict(result) == "conserved"

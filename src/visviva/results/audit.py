@@ -252,8 +252,8 @@ def statics_verdict(result: Result, missed: float) -> str:
     served = SERVED if sums is not None and sums.serves else ""
     if (sums.most / scale if sums is not None and (apart or served) else missed) > SNAPPED:
         return (
-            "WRONG, if load steps were short: most likely the structure snapped to an equilibrium far away; follow "
-            "its path with vv.arc_length, or take the snap in steps of dynamics"
+            "WRONG, if load steps were short: take shorter ones, and if that stays so, the structure snapped to an "
+            "equilibrium far away: follow its path with vv.arc_length, or take the snap in steps of dynamics"
         )
     if apart:
         return f"{served}not meant to be exact: load steps take no time, and {', and '.join(apart)}"

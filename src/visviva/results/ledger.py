@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 
 STILL = 1e-6
 """Part of its size below which the motion of a body counts as rest."""
+QUIET = 1e-5
+"""The same of energies that are sums over many points: a billionth of that is what rounding leaves in these."""
 
 UNSEEN = 1e-10
 """Part of its size by which rounding may seem to move a body."""
@@ -236,12 +238,12 @@ class Ledger:
     def energy_scale(self) -> float:
         """Scale of energy errors: the largest of kinetic energy, swing of potentials, work, heat that moves inside.
 
-        Where hardly anything moves a millionth of the potentials, or of what forces could do, which are exact to
-        rounding only; where nothing does, what rounding of places makes.
+        Where hardly anything moves a part of the potentials, or of what forces could do, which are exact to rounding
+        only; where nothing does, what rounding of places makes.
         """
         jitter = UNSEEN * self.sizes.length / self.duration if self.duration > 0 else 0.0
         potentials = [f"potential_{k}" for k in self.potentials]
-        swings = [max(self.swing(p), STILL * self.size(p)) for p in potentials]
+        swings = [max(self.swing(p), QUIET * self.size(p)) for p in potentials]
         works = [self.size(name) for name in self.brought]
         return float(
             max(
