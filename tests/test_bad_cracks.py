@@ -121,6 +121,17 @@ def test_schemes_of_cracks_want_something_that_cracks(scheme: vv.Static) -> None
         vv.quasi_static(system, until=1.0, step=0.5, scheme=scheme)
 
 
+@pytest.mark.parametrize("until", [-1e-3, 0.0])
+def test_paths_of_cracks_do_not_end_before_they_begin(until: float) -> None:
+    """One state came back without a word."""
+    solid = vv.FracturingSolid(**GOOD)
+    pulled = vv.Prescribed(solid=solid, nodes="x1", motion=("t", None, None))
+    system = vv.System([solid, vv.Fixed(solid=solid, nodes="x0"), pulled])
+    for analysis in (vv.quasi_static, vv.arc_length):
+        with pytest.raises(vv.InputError, match="is not after the present load parameter 0"):
+            analysis(system, until=until, step=1e-3, scheme=vv.CrackControl(growth=1.0))
+
+
 @pytest.mark.parametrize(
     ("scheme", "message"),
     [

@@ -185,6 +185,15 @@ def test_statics_needs_to_know_how_much_there_is(density: float) -> None:
             analysis(vv.System([solid, vv.Fixed(solid=solid, nodes="x0")]))
         with pytest.raises(vv.InputError, match="CahnHilliard 'blend': nothing holds how much"):
             analysis(vv.System([copy.deepcopy(mixture)]))
+        kept = vv.AllenCahn(
+            mesh=vv.RectangleMesh(size=(8, 2), counts=(16, 4)),
+            free_energy=vv.DoubleWell(barrier=1.0),
+            gradient_energy=1.0,
+            order=0.4,
+            conserved=True,
+        )
+        with pytest.raises(vv.InputError, match=r"AllenCahn.*order is conserved by its rates.* vv\.simulate"):
+            analysis(vv.System([kept]))
         blend = copy.deepcopy(mixture)
         system = vv.System([blend, vv.PrescribedConcentration(body=blend, nodes="x0", value=0.7)])
         analysis(system)

@@ -123,6 +123,8 @@ def arc_length(
 
 def follow_path(system: System, scheme: ArcLength, until: float, step: float) -> Iterator[LoadReport]:
     """Steps along the path; ``system.stepper.pace`` carries arcs, the last increment and the number of steps."""
+    if not until > system.time:
+        raise InputError(f"until = {until} is not after the present load parameter {system.time:g}")
     way = Way(system, scheme, step)
     while system.time < until and way.done < scheme.most:
         try:

@@ -189,6 +189,13 @@ def refuse_any_amount(system: System) -> None:
     InputError
     """
     contents = [f for f in system.model.fields if f.role is Role.CONTENT and not f.component.carries_heat]
+    kept_by_rates = [f.component for f in system.model.fields if f.multiplier and not f.instantaneous]
+    for f in contents:
+        if f.component in kept_by_rates:
+            raise InputError(
+                f"{f.component.label}: its {f.name} is conserved by its rates, and load steps take no time: nothing "
+                "keeps how much there is; run it in time by vv.simulate, until it rests"
+            )
     contents = [f for f in contents if not f.fixed.any()]
     if not contents:
         return
