@@ -115,9 +115,7 @@ def test_phases_of_what_is_driven_are_asked_for() -> None:
     assert vv.InterfaceArea(body=kept)(vv.System([kept])) == pytest.approx(4.0, rel=1e-3)
 
 
-@pytest.mark.filterwarnings("ignore:divide by zero")
-@pytest.mark.filterwarnings("ignore:invalid value")
-@pytest.mark.parametrize("start", [(-0.1, 0.1), (-0.74, 0.74)])
+@pytest.mark.parametrize("start", [(-0.1, 0.1), (-0.74, 0.74), (0.86, 0.86), (0.2, 0.95)])
 def test_functions_are_looked_at_up_to_their_ends(start: tuple[float, float]) -> None:
     """Ising's mean field ends at -1 and 1; its magnetisation is tanh of 1.5 times itself."""
 
@@ -127,6 +125,39 @@ def test_functions_are_looked_at_up_to_their_ends(start: tuple[float, float]) ->
     found = interface(vv.UserFreeEnergy(function=ising), 1.0, start)
     assert found is not None
     assert (-found.low, np.tanh(1.5 * found.high)) == pytest.approx((found.high, found.high), rel=1e-9)
+    assert interface(vv.UserFreeEnergy(function=lambda c: c * np.log(c)), 1.0, (0.2, 0.4)) is None
+
+
+@pytest.mark.parametrize("start", [0.02, 0.05, 0.08, 0.5, 0.95, 0.99])
+def test_functions_in_other_units_are_looked_at_from_any_start(start: float) -> None:
+    """In mol/m3, from one phase alone: a double well, and chains of equal length by logarithms of their own."""
+    most = 3e4
+
+    def chains(c: Any) -> Any:
+        s = c / most
+        return s * np.log(s) + (1 - s) * np.log(1 - s) + 3 * s * (1 - s)
+
+    wells = vv.UserFreeEnergy(function=lambda c: (c / most - 0.05) ** 2 * (c / most - 0.95) ** 2)
+    known = interface(vv.FloryHuggins(chi=3.0), 1.0, (0.5, 0.5))
+    assert known is not None
+    for energy, pair in (
+        (wells, (0.05, 0.95)),
+        (vv.UserFreeEnergy(function=chains), (known.low, known.high)),
+    ):
+        found = interface(energy, 1.0, (start * most, start * most))
+        assert found is not None
+        assert (found.low / most, found.high / most) == pytest.approx(pair, rel=1e-9)
+
+
+@pytest.mark.parametrize("raised", [0.3, 0.6, 0.8])
+def test_phases_that_last_without_a_well_are_others(raised: float) -> None:
+    """The one in the middle is none over the outer tangent, and yet fronts to it stand still."""
+    outer = roots(0, 3).polynomial
+    energy = vv.PolynomialEnergy(coefficients=tuple((roots(0, 1, 3).polynomial + raised * outer).coef))
+    found = interface(energy, 1.0, (0.1, 0.9))
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((0, 3), abs=1e-9)
+    assert not found.alone
 
 
 @pytest.mark.parametrize("temperature", [900.0, 999.0, 999.9])

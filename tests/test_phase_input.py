@@ -71,12 +71,11 @@ def test_nodes_are_as_far_apart_as_a_grid_has_them(mesh: Any, spacing: float) ->
         (lambda: arrhenius(activation=5e7), "nothing moves at temperature = 300"),
         (
             lambda: body(
-                free_energy=vv.UserFreeEnergy(
-                    function=lambda c: np.where(c > 0, c * np.log(np.where(c > 0, c, 1.0)), np.nan)
-                )
+                free_energy=vv.UserFreeEnergy(function=lambda c: np.where(c > 0.5, c**2, np.nan)),
+                concentration=lambda X: 0.4 + 0.2 * (X[:, 0] > 0),
             ),
-            "CahnHilliard 'alloy': UserFreeEnergy: it returned [nan] at the strains [0.0]; phases are looked for from "
-            "0 to 1: take vv.FloryHuggins",
+            "CahnHilliard 'alloy': UserFreeEnergy: it returned [nan] at the strains [0.4]; it starts between 0.4 and "
+            "0.6: let it have values there and in between, or take vv.FloryHuggins",
         ),
         (lambda: vv.DegenerateMobility(scale=-1.0), "scale = -1 is not positive"),
         (lambda: vv.UserMobility(function=lambda c: c - 0.5), "it is -0.5 at c = 0; it must not be negative"),

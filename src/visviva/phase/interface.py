@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -16,6 +17,10 @@ Pair = tuple[float, float]
 
 SAMPLES = 4001
 """Compositions at which an energy is looked at."""
+COARSE = 100
+"""Of these between which an energy bends, so that rounding and corners of tables do not."""
+SLIGHT = 0.01
+"""Part of the largest bend that is none."""
 FINE = 1000
 """Of these between the phases, at least."""
 NEAR = 200
@@ -45,7 +50,7 @@ class Interface:
     width : float
         ``(high - low) sqrt(kappa / (2 max df))``: of ``tanh(2 x / width)``.
     alone : bool
-        Whether the energy has no other phases, and no other wells in between.
+        Whether the energy has no other phases, and none that may last in between.
     tilt : float
         By how much the phase of high values has more energy than the other, over the height of what is between them.
     alike : bool
@@ -66,7 +71,7 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
 
     Of several pairs of phases it is that which the start lies in most. Energies of logarithms, double wells, and other
     polynomials that are bounded below tell all that they have; of others they are looked for about `start`, the least
-    and largest value at the start, and from 0 to 1, farther away as long as the pair goes on there.
+    and largest value at the start, and from 0 to 1, then farther away, as far as they have values.
 
     Examples
     --------
@@ -83,8 +88,15 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     df = above(c, f)
     tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), c))
     width = (pair[1] - pair[0]) * float(np.sqrt(gradient / (2 * df.max())))
-    wells = np.sum((df[1:-1] < df[:-2]) & (df[1:-1] <= df[2:]) & (df[1:-1] > 1e-9 * df.max()))
-    return Interface(*pair, tension, width, alone and not wells, float((f[-1] - f[0]) / df.max()))
+    return Interface(*pair, tension, width, alone and not is_parted(df), float((f[-1] - f[0]) / df.max()))
+
+
+def is_parted(df: Array) -> bool:
+    """Whether what is above a common tangent bends up between where it bends down, so that more phases may last."""
+    bend = np.diff(df[:: SAMPLES // COARSE], 2)
+    least = SLIGHT * -float(bend.min())
+    down = np.flatnonzero(bend < -least)
+    return bool(np.any(bend[down[0] : down[-1]] > least))
 
 
 def unclear(found: Interface, is_conserved: bool) -> str:
@@ -106,7 +118,7 @@ def phases(energy: FreeEnergy, start: Pair) -> tuple[Pair, bool] | None:
     """The phases of an energy that a start lies in most, and whether it has no others."""
     if isinstance(energy, DoubleWell):
         return (energy.low, energy.high), True
-    for low, high in bounds(energy) or windows(start):
+    for low, high in bounds(energy) or windows(energy, start):
         if told(energy, low, high)[1]:
             pair = searched(energy, low, high, start)
             return pair and (pair, is_alone(energy, pair, low, high))
@@ -124,14 +136,19 @@ def bounds(energy: FreeEnergy) -> list[Pair]:
     return [(2 * low - high, 2 * high - low)]
 
 
-def windows(start: Pair) -> list[Pair]:
-    """Where the phases of a function of the user may be, the likeliest first."""
+def windows(energy: FreeEnergy, start: Pair) -> Iterator[Pair]:
+    """Where the phases of a function of the user may be, as far as it has values: the likeliest first."""
     least, most = start
     size = max(abs(least), abs(most))
-    ways = [way for way in (0.1 * (most - least), 1e-4 * size, 0.01 * size, size) if way > 0]
-    sizes = [] if size else [10.0**k for k in (*range(-2, -22, -2), *range(2, 10, 2))]
-    about = [(least - way, most + way) for way in ways]
-    return [*about, (min(0.0, least), max(1.0, most)), *((-a, a) for a in sizes)]
+    near = [0.1 * (most - least), *(size * 10.0**k for k in (-4, -2, 0))] if size else [1e-2]
+    far = (
+        (size * 10.0**k for k in (2, 4))
+        if size
+        else (10.0**k for k in (*range(-4, -22, -2), *range(2, 10, 2)))
+    )
+    about = [(least - way, most + way) for way in near]
+    for low, high in (*about, (min(0.0, least), max(1.0, most)), *((least - way, most + way) for way in far)):
+        yield farther(energy, least, low - least), farther(energy, most, high - most)
 
 
 def is_bounded(energy: FreeEnergy) -> bool:

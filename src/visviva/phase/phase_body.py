@@ -158,10 +158,9 @@ class PhaseBody(Limited, Meshed):
         try:
             found = self.interface(time)
         except NotFinite as error:
-            low, high = min(0.0, *self._start), max(1.0, *self._start)
             raise InputError(
-                f"{self.label}: {error}; phases are looked for from {low:g} to {high:g}: take vv.FloryHuggins or "
-                "vv.RegularSolution for logarithms, or let it have values there too, where c * np.log(c) has none at 0"
+                f"{self.label}: {error}; it starts between {self._start[0]:g} and {self._start[1]:g}: let it have "
+                "values there and in between, or take vv.FloryHuggins or vv.RegularSolution for logarithms"
             ) from None
         if found is not None and self._is_thin(found):
             wider, when = 2 * self.space.spacing / found.width, f" at t = {time:g}" if time else ""
