@@ -308,3 +308,22 @@ def test_corners_at_a_seam_where_a_step_ends_pass_by_a_penalty(kind: str, beyond
     system = vv.System([*parts, above, *contacts, vv.Gravity()])
     vv.simulate(system, until=0.01, step=1 / 2000)
     assert vv.Velocity(of=above)(system)[0] == pytest.approx(20, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["box", "mesh"])
+@pytest.mark.parametrize("exchanged", [False, True])
+@pytest.mark.parametrize(
+    ("beyond", "each"), [(0.0, 2000), (1e-4, 500), (1e-4, 2000), (1.7e-3, 500), (1.7e-3, 2000)]
+)
+def test_boxes_that_land_where_they_pass_a_seam_go_on_by_a_penalty(
+    kind: str, exchanged: bool, beyond: float, each: int
+) -> None:
+    """As over one floor: nothing lay in that yet where the step began, and the wall of the next threw them back."""
+    below, parts = held(kind, [-0.3, 0.3], (0.6, 1, 0.1))
+    above = thrown(kind, (-0.3 + beyond, 0, 0.1 + 1e-4), 0, (20, 0))
+    pairs = [(b, above) if exchanged else (above, b) for b in below]
+    contacts = [vv.Contact(first=a, second=b, enforcement="penalty", stiffness=1e7) for a, b in pairs]
+    system = vv.System([*parts, above, *contacts, vv.Gravity()])
+    vv.simulate(system, until=0.01, step=1 / each)
+    assert vv.Velocity(of=above)(system)[0] == pytest.approx(20, rel=1e-4)
+    assert vv.Position(of=above)(system)[0] == pytest.approx(-0.1 + beyond, abs=1e-5)

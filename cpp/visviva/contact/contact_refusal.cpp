@@ -49,6 +49,9 @@ Refusal ContactTerm::refuse(const Context& c) {
         return refused(vertex_of(A),
                        "an impact rubs, for which the elastic slip of tangential='penalty' has no time; take "
                        "tangential='multipliers', or enforcement='penalty', with which impacts last,");
+    if (const int A = lands_beside(); A >= 0)
+        return refused(vertex_of(A),
+                       "a body lands and comes upon the edge of another floor that is flush there,");
     if (c.step.is_static()) return {};  // load steps are no ways: equilibria at both ends count
     if (const int A = climbs(c); A >= 0)
         return refused(
@@ -59,6 +62,26 @@ Refusal ContactTerm::refuse(const Context& c) {
         return refused(vertex_of(A),
                        "the first surface comes in by one side and out by another, past an edge,");
     return {};
+}
+
+// A gap that closes in a step in which its body sinks into what carries it, so that it would not if that
+// were known where the step begins; -1: none. Shorter steps begin with it.
+int ContactTerm::lands_beside() {
+    constexpr double same = 1e-3;
+    if (!lies_beside()) return -1;
+    Sags start, all;
+    for (const auto& other : fellows_) {
+        start.add(other->start), all.add(other->start);
+        all.add(other->end), all.add(other->landing);
+    }
+    std::vector<double> gap(gaps_->n()), area(gaps_->n());
+    if (!gaps_->lie(std::move(all))) return -1;
+    gaps_->values(X1_.data(), gap.data(), area.data());
+    gaps_->lie(std::move(start));
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (depth(A, gap0_, area0_) == 0 && std::abs(gap[A] - gap1_[A]) > -same * gap1_[A] && gap1_[A] < 0)
+            return A;
+    return -1;
 }
 
 // A gap held at the end of a step on one facet by the force that another one has in its middle; -1: none.

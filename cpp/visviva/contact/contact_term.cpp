@@ -125,33 +125,58 @@ void ContactTerm::begin(const double* x0) {
     if (has_history()) elastic_.begin_step(X0_);
 }
 
-// Of rigid bodies, along the force on the first one: as deep as they are, or as the pressure that a penalty
-// had in the last step makes them, where steps are longer than bodies swing.
+// Where the step begins as deep as they are, or as the pressure that a penalty had in the last step makes
+// them, where steps are longer than bodies swing.
 void ContactTerm::find_sags() {
     const Stopwatch watch(costs_.segments);
-    *sags_ = {};
-    const auto pressed = [&](int A) { return sags() ? pressed_.at_start()[A] / options_.stiffness[A] : 0; };
+    std::vector<double> pressed(gaps_->n(), 0.0);
+    for (int A = 0; sags() && A < gaps_->n(); ++A)
+        pressed[A] = pressed_.at_start()[A] / options_.stiffness[A];
+    sags_->start = sags_at(X0_, gap0_, area0_, pressed);
+    sags_->landing = {}, landed_in_ = 0;
+}
+
+// Of rigid bodies, along the force on the first one.
+Sags ContactTerm::sags_at(const std::vector<double>& X, const std::vector<double>& gap,
+                          const std::vector<double>& area, const std::vector<double>& pressed) {
+    Sags found;
     std::vector<char> closed(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A)
-        closed[A] = area0_[A] > 0 && (gap0_[A] < 0 || pressed(A) > 0 || gaps_->offset(A) > 0);
-    gaps_->gradients(X0_.data(), closed, at_start_);
+        closed[A] = area[A] > 0 && (gap[A] < 0 || pressed[A] > 0 || gaps_->offset(A) > 0);
+    std::vector<Gap> gaps(gaps_->n());
+    gaps_->gradients(X.data(), closed, gaps);
     for (int A = 0; A < gaps_->n(); ++A) {
         if (!closed[A]) continue;
         const auto& stencil = gaps_->stencil(A);
         Eigen::Vector3d push = Eigen::Vector3d::Zero();
         for (std::size_t v = 0; v < stencil.size(); ++v)
             if (stencil[v] < gaps_->n_first())
-                push += Eigen::Map<const Eigen::Vector3d>(&at_start_[A].gradient[3 * v]);
-        const double deep = std::max(-gap0_[A], pressed(A)) / area0_[A];
-        sags_->add(push, gaps_->offset(A) + deep);
+                push += Eigen::Map<const Eigen::Vector3d>(&gaps[A].gradient[3 * v]);
+        found.add(push, gaps_->offset(A) + std::max(-gap[A], pressed[A]) / area[A]);
     }
+    return found;
+}
+
+// As deep as bodies would be at the end if they went on as they came, over what they are where the step
+// begins.
+void ContactTerm::find_landing(const Context& c) {
+    landed_in_ = c.step.h;
+    std::vector<double> along, gap = gap0_, none(gaps_->n(), 0.0);
+    gaps_->skin().increments(c.vectors.v0, along);
+    std::vector<char> near(gaps_->n());
+    for (int A = 0; A < gaps_->n(); ++A) near[A] = area0_[A] > 0;
+    std::vector<Gap> gaps(gaps_->n());
+    gaps_->gradients(X0_.data(), near, gaps);
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (near[A]) gap[A] += c.step.h * as_vector(gaps[A].gradient).dot(stencil_of(A, along));
+    sags_->landing = sags_at(X0_, gap, area0_, none);
 }
 
 // Once all contacts have begun the step.
 void ContactTerm::share_sags() {
     shared_sags_ = X0_;
     Sags all;
-    for (const auto& other : fellows_) all.add(*other);
+    for (const auto& other : fellows_) all.add(other->start);
     if (gaps_->lie(std::move(all))) known_.clear(), forget_gradients();
 }
 
@@ -163,6 +188,8 @@ void ContactTerm::settle() {
 void ContactTerm::find_gaps() {
     if (X1_ == known_) return;
     segments([&] { gaps_->values(X1_.data(), gap1_.data(), area1_.data()); });
+    if (lies_beside() && sags())
+        segments([&] { sags_->end = sags_at(X1_, gap1_, area1_, std::vector<double>(gaps_->n(), 0.0)); });
     known_ = X1_;
 }
 
@@ -190,6 +217,7 @@ void ContactTerm::evaluate(const Context& c, bool chooses, bool gradients) {
         segments([&] { gaps_->values(X0_.data(), gap0_.data(), area0_.data()); });
     }
     if (lies_beside() && X0_ != shared_sags_) share_sags();
+    if (lies_beside() && sags() && !c.step.is_static() && c.step.h != landed_in_) find_landing(c);
     find_gaps();
     // Also with multipliers: what was closed at the start and opens, or slides on, has no multiplier at the
     // end to take the other half of its impulse there, as lasting constraints have (rates.cpp), and the whole

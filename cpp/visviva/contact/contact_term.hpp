@@ -142,6 +142,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void evaluate(const Context&, bool chooses, bool gradients = false);
     void settle();
     void find_sags();
+    Sags sags_at(const std::vector<double>& X, const std::vector<double>& gap,
+                 const std::vector<double>& area, const std::vector<double>& pressed);
+    void find_landing(const Context&);
+    int lands_beside();
     void share_sags();
     void find_gaps();
     void find_gradients();
@@ -232,9 +236,13 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     SweptSearch search_;
     std::optional<Piercing> piercing_;
     std::shared_ptr<const ContactTerm> beside_;
-    GapMemory pressed_;                                      // of what sags, pressures
-    std::shared_ptr<Sags> sags_ = std::make_shared<Sags>();  // of its own gaps, where the step begins
-    std::vector<std::shared_ptr<const Sags>> fellows_;
+    GapMemory pressed_;  // of what sags, pressures
+    struct StepSags {
+        Sags start, end, landing;
+    };
+    double landed_in_ = 0;  // the length of the step for which its landing is known
+    std::shared_ptr<StepSags> sags_ = std::make_shared<StepSags>();  // of its own gaps
+    std::vector<std::shared_ptr<const StepSags>> fellows_;
     std::vector<double> shared_sags_;  // the start of the step for which those of all were put together
     bool stands_beside_ = false;
     ActiveSet active_;
