@@ -5,12 +5,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 namespace visviva {
 
 namespace {
 
-constexpr double most_parts = 64;  // of a step, at which bodies are looked at on their way
+constexpr double most_parts = 400;  // of a step, at which bodies are looked at on their way
 
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
@@ -63,8 +64,8 @@ double Piercing::depth(const Enclosure& body, int side, const Vector3& x) const 
     return k >= 0 && of_.faces[sides_[side].facets[k]] ? body.triangles()[k].distance(x) : 0;
 }
 
-// Whether the other body rests on the vertices of the first one about a place, whose edge or facet is a chord
-// of what is round there. Of sheets, which chords may cross, on one where it parts from them.
+// Whether the other body rests on a vertex of the first one about a place, whose edge or facet is a chord of
+// what is round there: others may be about to leave it or to come to it.
 bool Piercing::spans(int side, const Enclosure& body, const Enclosure& own, const Vector3& x,
                      const std::array<Vector3, 2>& edge, double depth) const {
     constexpr double chord = 0.1;  // of its length at most, which is a seventh of a circle
@@ -80,45 +81,52 @@ bool Piercing::spans(int side, const Enclosure& body, const Enclosure& own, cons
         for (const Vector3& b : ends) length = std::max(length, (a - b).norm());
     const double beyond = of_.thin ? least_ : 0;  // what touches with its other side
     auto touches = [&](const Vector3& a) { return other.touches(a, 0.25 * limit_ + beyond); };
-    auto is_near = [&](const Vector3& a) { return other.touches(a, chord * length); };
-    const bool held = of_.thin ? std::any_of(ends.begin(), ends.end(), touches) &&
-                                     std::all_of(ends.begin(), ends.end(), is_near)
-                               : std::all_of(ends.begin(), ends.end(), touches);
-    if (!held) return false;
+    const double near = of_.thin ? chord * length : limit_;
+    auto is_near = [&](const Vector3& a) { return other.touches(a, near); };
+    if (std::none_of(ends.begin(), ends.end(), touches) || !std::all_of(ends.begin(), ends.end(), is_near))
+        return false;
     return depth <= chord * length;
 }
 
+// Depth by which bodies may be in each other beside gaps that are as deep as `seen`, of which part they may
+// be without. No body is deeper than half of its width: whatever passes through it comes deeper than this,
+// unless gaps are nearly as deep.
+double Piercing::beside(double seen, double without) const {
+    constexpr double middle = 0.45;  // of the least width
+    return std::max(2 * seen, std::min(without + 2 * seen, middle * least_));
+}
+
 Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen) {
+    constexpr double deep = 0.25;  // of the least width, by which what has met may come in within a step
     const std::vector<double> X0 = positions(q0), X1 = positions(q1);
-    const double parts = parts_of(X0, X1);
+    const double come = beside(seen, std::max(limit_, deep * least_)), parts = parts_of(X0, X1, come);
     if (parts > most_parts) return {true, false, {}};
     if (!begun_) {
         each_part(X0, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
         begun_ = true;
     }
     Finding found;
-    found.sinks = parts > 0 && sinks(X0, X1, static_cast<int>(parts), seen, found.worst);
+    found.sinks = sinks(X0, X1, static_cast<int>(parts), {beside(seen, limit_), come}, found.worst);
     return found;
 }
 
-bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, double seen,
+// The end is looked at first, which ways to it may not be deeper than.
+bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, Allowed allowed,
                      DeepPlace& worst) const {
-    constexpr double deep = 0.25;  // of the least width, which nothing passes without coming deeper later on
-    const double unseen = limit_ + 2 * seen;
-    worst = deepest(X1);
-    const double after = worst.depth;
-    if (parts == 1 && after <= unseen) return false;
-    const double before = deepest(X0).depth;
-    const bool lasts = of_.thin || before > limit_ || after > unseen + deep * least_;
-    if (after > unseen && after > before && lasts) return true;
-    const double beside = of_.thin ? before : std::max(before, after) + limit_;
-    std::vector<double> X(X0.size());
+    std::vector<double> X = X1;
+    std::optional<double> before;
+    double after = 0;
     const double sag = parts > 1 ? sagitta(X0, X1, 0) + sagitta(X0, X1, 1) : 0;
-    for (int part = 1; part < parts; ++part) {
+    for (int part = parts; part > 0; --part) {
+        const bool ends = part == parts;
         const double s = static_cast<double>(part) / parts;
-        for (std::size_t i = 0; i < X.size(); ++i) X[i] = (1 - s) * X0[i] + s * X1[i];
+        for (std::size_t i = 0; !ends && i < X.size(); ++i) X[i] = (1 - s) * X0[i] + s * X1[i];
         worst = deepest(X);
-        if (worst.depth > unseen + sag && worst.depth > beside + sag) return true;
+        const double depth = ends ? after = worst.depth : worst.depth - sag;
+        if (depth <= allowed.in) continue;
+        if (!before) before = deepest(X0).depth;
+        const double most = *before > limit_ ? *before : allowed.come;
+        if (depth > std::min(most, std::max(*before, after) + limit_)) return true;
     }
     return false;
 }
@@ -139,9 +147,11 @@ double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double
     return most;
 }
 
-// Looks on the way, so many that between them no body passes half of the least width of the other; none where
-// they stay apart.
-double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const {
+// Looks on the way, so many that whatever passes through the least width of a body is deeper than `allowed`
+// at one of them at least; none where they stay apart.
+double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1,
+                          double allowed) const {
+    constexpr double within = 0.8, least_apart = 0.1;  // of where it is deeper; of the least width
     Bounds swept[2], ways[2];
     for (int side : {0, 1})
         for (const auto& [a, b] : sides_[side].edges)
@@ -150,21 +160,21 @@ double Piercing::parts_of(const std::vector<double>& X0, const std::vector<doubl
                 swept[side].extend(x0), swept[side].extend(x1), ways[side].extend(Vector3(x1 - x0));
             }
     if (!swept[0].intersects(swept[1])) return 0;
+    const double apart = within * std::max(1 - 2 * allowed / least_, least_apart);  // by least widths
     if (of_.thin) {
         double parts = 1;
         for (int side : {0, 1})
-            parts = std::max(parts, across(X0, X1, side, swept[1 - side], ways[1 - side]));
-        return parts;
+            parts = std::max(parts, across(X0, X1, side, swept[1 - side], ways[1 - side]) / apart);
+        return std::ceil(parts);
     }
     const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
-    return std::max(1.0, std::ceil(2 * way.norm() / least_));
+    return std::max(1.0, std::ceil(way.norm() / least_ / apart));
 }
 
-// The same for sheets, which may be slid along: across their triangles, by parts of what is behind these.
+// The way of sheets, which may be slid along, across their triangles, by what is behind these.
 double Piercing::across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
                         const Bounds& swept, const Bounds& ways) const {
-    constexpr double shown = 0.3;  // of the thickness, within which a place is deep enough to be found
-    double parts = 0;
+    double widths = 0;
     const auto& [edges, triangles, facets] = sides_[side];
     for (std::size_t k = 0; k < facets.size(); ++k) {
         Bounds own;
@@ -176,9 +186,9 @@ double Piercing::across(const std::vector<double>& X0, const std::vector<double>
         if (!own.intersects(swept)) continue;
         const Vector3 n = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
         const double most = std::abs(n.dot(ways.center() - way)) + 0.5 * n.cwiseAbs().dot(ways.sizes());
-        parts = std::max(parts, std::ceil(most / (shown * std::max(of_.skin.behind[facets[k]], least_))));
+        widths = std::max(widths, most / std::max(of_.skin.behind[facets[k]], least_));
     }
-    return parts;
+    return widths;
 }
 
 DeepPlace Piercing::deepest(const std::vector<double>& X) const {

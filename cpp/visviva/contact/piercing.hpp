@@ -32,8 +32,8 @@ class Piercing {
 
     /// Whether bodies come deeper into each other in a step than `seen`, a depth that gaps have, allows for,
     /// and than they were given: those that are in each other already, those that come in by a quarter of
-    /// their width, and those that pass through. What comes in by less may have met what its gaps hold from
-    /// the next step on.
+    /// their width, at the end of the step or on the way there, and those that are deeper on the way than at
+    /// both ends. What comes in by less may have met what its gaps hold from the next step on.
     Finding look(const double* q0, const double* q1, double seen);
 
     const std::string& cure() const { return cure_; }
@@ -46,7 +46,12 @@ class Piercing {
         int side, edge;
         double from, to, depth;
     };
-    bool sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, double seen,
+    // Depths up to which bodies may be in each other, and to which they may come in within a step.
+    struct Allowed {
+        double in, come;
+    };
+    double beside(double seen, double without) const;
+    bool sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, Allowed allowed,
                DeepPlace& worst) const;
     DeepPlace deepest(const std::vector<double>& X) const;
     std::vector<double> positions(const double* q) const;
@@ -58,7 +63,7 @@ class Piercing {
     void each_part(const std::vector<double>& X, F take) const;
     double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
-    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1) const;
+    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed) const;
     double across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
                   const Eigen::AlignedBox3d& swept, const Eigen::AlignedBox3d& ways) const;
 
