@@ -220,7 +220,7 @@ class Pair:
             raise InputError(
                 f"{self.label}: {self.first.label} has facets of up to {surface.size:.3g}, larger than all of "
                 f"{self._opponent}, which falls between its vertices; exchange first and second, or give "
-                f"{self.first.label} finer facets"
+                f"{self.first.label} finer facets, by a SurfaceMesh"
             )
 
     @property

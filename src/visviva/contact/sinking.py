@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from visviva import _core
 from visviva.body.rigid import RigidBody
+from visviva.body.shape import Cylinder
 from visviva.body.solid import Solid
 from visviva.component.point import Attachable
 from visviva.contact.bars import bars_of, is_bar
@@ -213,9 +214,12 @@ def _cure(contact: Contact, pairing: tuple[Attachable, Attachable | Obstacle]) -
     first, second = (body.label for body in pairing)
     if contact.is_mortar and not (mesh_bodies(*pairing) and isinstance(pairing[1], Obstacle)):
         rigid = next(body.label for body in pairing if isinstance(body, RigidBody))
+        bends = "".join(
+            f", or with {body.label}, where that bends round it" for body in mesh_bodies(*pairing)
+        )
         return (
             f"mortar gaps are means over facets, which edges and corners of {rigid} pass by where it lies tilted: take "
-            f"formulation='node-to-segment', with {rigid} as first"
+            f"formulation='node-to-segment', with {rigid} as first{bends}"
         )
     if mesh_bodies(*pairing):
         return f"vertices of {first} alone touch {second}: {finer(*pairing)}"
@@ -232,7 +236,17 @@ def _cure(contact: Contact, pairing: tuple[Attachable, Attachable | Obstacle]) -
     return (
         f"vertices of {first} touch {second}, and where both are convex and sharp by 30 degrees edges that cross and "
         "corners in faces: exchange first and second where what is round meets edges or corners, and take "
-        "formulation='mortar' where faces lie on each other beside these"
+        f"formulation='mortar' where faces lie on each other beside these{_along(pairing)}"
+    )
+
+
+def _along(pairing: tuple[Attachable, Attachable | Obstacle]) -> str:
+    """What helps where neither order does: cylinders have vertices on their rims alone."""
+    lying = [body.label for body in pairing if isinstance(getattr(body, "shape", None), Cylinder)]
+    return "".join(
+        f"; where something lies across {label} between its rims no order sees it: give that the shape of a "
+        "SurfaceMesh with close rings of vertices along it, of a body that is first"
+        for label in lying[-1:]
     )
 
 
