@@ -8,7 +8,7 @@ import re
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from typing import Any
 
@@ -247,26 +247,52 @@ class Owners:
         values[self.order] = self.found
 
     def tell(self, words: str, number: int) -> tuple[str, int]:
-        """Words and a number of the first process that has words.
+        """Words and a number of the first process that has raised an exception; else of the first that has words.
 
         Raises
         ------
         Exception
-            What that one has raised, of the same class, if this one has raised none such: scripts may catch it.
+            What that one has raised, of the same class, if this one has raised none such: scripts may catch it. A step
+            that only failed in others may be tried again, and that one will not.
         """
         raised = RAISED.fullmatch(words.strip())
         kind, text = (raised[1], raised[2] or "") if raised else ("", words.strip())
         all_of_them = self.world.joint("tell why it failed").allgather((kind, text, number))
-        found = next((told for told in all_of_them if told[0] or told[1]), ("", "", -1))
+        found = first_failed(all_of_them)
         if found[0] not in ("", kind):
-            raise class_of(found[0])(found[1])
+            raise raised_elsewhere(*found[:2])
         return found[1:]
 
 
+def first_failed(told: list[tuple[str, str, int]]) -> tuple[str, str, int]:
+    """Class, words and number of the first that has a class, else of the first that has words."""
+    having = [t for t in told if t[0]] or [t for t in told if t[1]]
+    return having[0] if having else ("", "", -1)
+
+
+def raised_elsewhere(name: str, text: str) -> BaseException:
+    """What another process has raised, by the name of its class; of a base of that where it takes more than a text."""
+    for kind in class_of(name).__mro__:
+        with suppress(Exception):
+            made = kind(text)
+            if isinstance(made, BaseException):
+                return made
+    return errors.RunError(text)
+
+
 def class_of(name: str) -> type[BaseException]:
-    """Class of errors of visviva or of Python, by its name; what scripts raise themselves is a `RunError` elsewhere."""
+    """Class of errors of visviva, of Python or of the script, which all run; a `RunError` is what nobody knows."""
     found = getattr(errors, name, getattr(builtins, name, None))
-    return found if isinstance(found, type) and issubclass(found, BaseException) else errors.RunError
+    if isinstance(found, type) and issubclass(found, BaseException):
+        return found
+    return next((kind for kind in below(errors.VisvivaError) if kind.__name__ == name), errors.RunError)
+
+
+def below(kind: type[BaseException]) -> Iterator[type[BaseException]]:
+    """All classes made of a class of errors."""
+    for derived in kind.__subclasses__():
+        yield derived
+        yield from below(derived)
 
 
 def owners(comm: Any, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:

@@ -425,14 +425,19 @@ import numpy as np
 import visviva as vv
 from visviva.base.world import world
 
+
+class Own(vv.InputError):
+    pass
+
+
 kinds = {"key": KeyError, "run": vv.RunError, "input": vv.InputError, "memory": MemoryError, "exit": SystemExit,
-         "value": ValueError}
+         "value": ValueError, "stop": StopIteration, "own": Own, "empty": RuntimeError}
 
 
 def run(kind):
     def traction(t, X):
         if kind and t > 0.06 and X[:, 0].max() > 3:  # cells of one process
-            raise kinds[kind]("late\\nand in two lines")
+            raise kinds[kind](*["late\\nand in two lines"] * (kind != "empty"))
         return np.zeros_like(X)
 
     block = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(8, 2, 2)), density=1.0, angular_velocity=(0, 0, 1),
@@ -460,7 +465,35 @@ def test_what_a_function_raises_in_one_process_all_may_catch(tmp_path: Path) -> 
     assert one.returncode == two.returncode == 0, two.stderr
     assert one.stdout.splitlines()[-1] == "went on"
     assert "key: RunError: Traction: its traction raised KeyError" in one.stdout
+    assert "stop: RunError: Traction: its traction raised StopIteration" in one.stdout
+    assert "own: Own: late" in one.stdout
+    assert "traction raised RuntimeError\n" in one.stdout
     assert two.stdout == one.stdout
+
+
+RAISED = """
+import visviva as vv
+from visviva_petsc.world import first_failed, raised_elsewhere
+
+turned, key = ("", "turned inside out", 3), ("KeyError", "'late'", -1)
+print(first_failed([turned, key]) == key, first_failed([("", "", -1), turned]) == turned)
+
+
+class Two(vv.RunError):
+    def __init__(self, one, other):
+        super().__init__(f"{one} {other}")
+
+
+for name in ("KeyError", "UnicodeDecodeError", "StepFailure", "Two", "Unknown"):
+    print(type(raised_elsewhere(name, "told")).__name__)
+"""
+
+
+def test_what_a_function_raises_goes_before_failed_steps(tmp_path: Path) -> None:
+    """Who had failed otherwise tried a shorter step, without the one that had raised; some classes take more words."""
+    (tmp_path / "raised.py").write_text(RAISED)
+    done = launched(0, str(tmp_path / "raised.py"))
+    assert done.stdout.split() == ["True", "True", "KeyError", "UnicodeError", *3 * ["RunError"]], done.stderr
 
 
 COUNTS = """

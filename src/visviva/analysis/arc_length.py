@@ -16,6 +16,7 @@ from visviva.base.arguments import bounded, whole
 from visviva.base.errors import InputError, NotFinite, RunError
 from visviva.output.checkpoint import Record
 from visviva.results.result import Result
+from visviva.system.agreement import agreed
 from visviva.system.memory import Trial
 from visviva.system.system import System
 from visviva.system.turn import by_one_thread
@@ -116,9 +117,15 @@ def arc_length(
     result, books = begin(system, scheme or ArcLength(), project=project)
     for _ in advance(result, books, until=until, step=step):
         keep(result)
-        if result.statistics.steps >= steps or (stop is not None and stop(system)):
+        if result.statistics.steps >= steps or (stop is not None and _stops(system, stop)):
             break
     return result
+
+
+def _stops(system: System, stop: Callable[[System], bool]) -> bool:
+    """Whether the user's function ends the path, in all processes alike."""
+    found = np.array(bool(stop(system)))
+    return bool(agreed(f"its answer at {system.time:g}", ["arc_length: stop"], [found])[0])
 
 
 def follow_path(system: System, scheme: ArcLength, until: float, step: float) -> Iterator[LoadReport]:

@@ -283,8 +283,8 @@ def simulate(
     every = whole("simulate", "every", every)
     until, step = checked_times(until, step, system.time)
     refuse_other("simulate", "observe", observe, Callable | None, "a function of the system")
-    agreement.refuse_different_arguments("simulate", every=every)
     result, books = begin(system, scheme, project=project, step=step)
+    agreement.refuse_different_arguments("simulate", every=every)
     result.recorded = recorded
     recorded.take(system)
     for _ in advance(result, books, until=until, step=step, adaptive=adaptive):

@@ -70,7 +70,10 @@ def named(what: str) -> Iterator[None]:
         raise
     except Exception as error:
         kind = NotFinite if isinstance(error, NO_VALUE) else RunError
-        raise kind(f"{what} raised {type(error).__name__}: {error}") from error
+        told = f": {error}" if str(error) else ""
+        # of a `StopIteration` with a cause `contextmanager` takes the new error for one of its own
+        cause = None if isinstance(error, StopIteration) else error
+        raise kind(f"{what} raised {type(error).__name__}{told}") from cause
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -147,7 +147,7 @@ class Pressure(OnSides):
                 self, "pressure", dead.first, dead.forces([-p.normal for p in points]), self.pressure
             )
             return
-        signal = model.signal(self.pressure)
+        signal = model.signal(self, self.pressure)
         for p in points:
             index = element_unknowns(self.solid, p)
             layout, weights = self._normals(p)

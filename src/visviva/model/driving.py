@@ -24,6 +24,8 @@ class Driving:
     ----------
     signals : list of TimeFunction
         Those that elements refer to by number.
+    owners : list of str
+        Whose these are.
     rated : set of int
         Signals whose rates are needed.
     prescribed : list of Prescription
@@ -39,6 +41,7 @@ class Driving:
     """
 
     signals: list[TimeFunction] = field(default_factory=list)
+    owners: list[str] = field(default_factory=list)
     rated: set[int] = field(default_factory=set)
     prescribed: list[Prescription] = field(default_factory=list)
     kinks: dict[float, set[int]] = field(default_factory=dict)
@@ -47,13 +50,14 @@ class Driving:
     is_driven: bool = False
     has_servo: bool = False
 
-    def signal(self, function: Any, has_rate: bool = False) -> int:
+    def signal(self, owner: str, function: Any, has_rate: bool = False) -> int:
         """Number of a prescribed function of time, see `Model.signal`."""
         if function is None:
             return -1
         if has_rate:
             self.rated.add(len(self.signals))
         self.signals.append(TimeFunction(function))
+        self.owners.append(owner)
         return len(self.signals) - 1
 
     def bend(self, times: Iterable[float], account: int) -> None:
@@ -79,7 +83,9 @@ class Driving:
                 rows[3, k] = (f.rate_after if f.kinks and not step.has_length else f.rate)(step.t1, length)
         if self.signals and not np.all(np.isfinite(rows)):
             k = int(np.argmin(np.isfinite(rows).all(axis=0)))
-            raise RunError(f"a prescribed function of time gave {rows[:, k].tolist()} near t = {step.t1:g}")
+            raise RunError(
+                f"{self.owners[k]}: its function of time gave {rows[:, k].tolist()} near t = {step.t1:g}"
+            )
         return rows
 
     def curvatures(self, time: float, length: float) -> Array:

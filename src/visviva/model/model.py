@@ -282,12 +282,12 @@ class Model:
             self.accounts.append(Account(*key))
         return self._opened[key]
 
-    def signal(self, function: Any, has_rate: bool = False) -> int:
-        """Number of a prescribed function of time (whatever `TimeFunction` takes); -1 for none.
+    def signal(self, component: Owner, function: Any, has_rate: bool = False) -> int:
+        """Number of a component's function of time (whatever `TimeFunction` takes); -1 for none.
 
         Loads need its values alone; where its rate is needed too, it is asked for times around those of steps.
         """
-        return self.driving.signal(function, has_rate)
+        return self.driving.signal(component.label, function, has_rate)
 
     # --- physics -------------------------------------------------------------------------------------------
     def inertia(self, component: Owner, start: int, mass: ArrayLike, positions: Sequence[bool]) -> None:
@@ -355,7 +355,7 @@ class Model:
     def act(self, component: Owner, kind: str, strains: Any, law: Law, times: Any = None) -> None:
         """A law whose stresses do work on the system, driven by a function of time if it takes one."""
         account = self.account(component, kind, "work")
-        self._element(component, strains, law, (), (self.signal(times),), account)
+        self._element(component, strains, law, (), (self.signal(component, times),), account)
 
     def load(self, component: Owner, kind: str, strains: Any, amplitude: float, at: Any) -> None:
         """Generalised force ``amplitude * at(t)`` conjugate to a strain; `at` None means constant."""
@@ -380,7 +380,7 @@ class Model:
         """
         n = len(strains) if n is None else n
         numbers = [multipliers.start + first + k for k in range(n)]
-        signals = [self.signal(f, has_rate=True) for f in targets] if targets else [-1] * n
+        signals = [self.signal(component, f, has_rate=True) for f in targets] if targets else [-1] * n
         driven = any(s >= 0 for s in signals)
         account = self.account(
             component, "drive" if driven else "constraint", "work" if driven else "constraint"
@@ -435,7 +435,9 @@ class Model:
         """Forces (n, d) times a function of time on nodes whose unknowns begin at `first` (n,)."""
         n, d = force.shape
         index = np.asarray(first)[:, None] + np.arange(d)
-        term = strain_batch(along(d), Law(LawKind.LOAD), index, force, (1.0, 0.0), self.signal(times))
+        term = strain_batch(
+            along(d), Law(LawKind.LOAD), index, force, (1.0, 0.0), self.signal(component, times)
+        )
         self.strain_batch(component, kind, "work", term, n)
 
     def _element(

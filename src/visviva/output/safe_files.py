@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from visviva.base.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError, VisvivaError
 
 
 @contextmanager
 def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
-    """Turn an `OSError` raised inside into a `RunError` that names the file and what stays readable.
+    """Turn an `OSError`, or what h5py raises instead, into a `RunError` that names the file and what stays readable.
 
     Parameters
     ----------
@@ -23,8 +23,11 @@ def reporting(path: Path, kept_until: float | None = None) -> Iterator[None]:
     """
     try:
         yield
-    except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else str(error)
+    except VisvivaError:
+        raise
+    except (OSError, RuntimeError) as error:
+        number = getattr(error, "errno", None)
+        reason = os.strerror(number) if number else str(error)
         kept = "" if kept_until is None else f"; what it holds up to t = {kept_until!r} stays readable"
         raise RunError(f"cannot write {path}: {reason}{kept}") from error
 

@@ -246,7 +246,7 @@ class PhaseBody(Limited, Meshed):
         places = [*range(n)] * self.free_energy.changes
         places += [*range(first, len(constants(0.0)))] * self._mobility.changes
         account = model.account(component, "temperature", "work")
-        signals = [(k, model.signal(lambda t, k=k: constants(t)[k])) for k in places]
+        signals = [(k, model.signal(component, lambda t, k=k: constants(t)[k])) for k in places]
         term.drive(signals, account)
 
     def _user_energy(self) -> Function | None:

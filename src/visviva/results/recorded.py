@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from visviva.base.errors import InputError, nearest
 from visviva.measure.measures import Reading
 from visviva.model.form import Form, Strain, Vector
+from visviva.system.agreement import agreed
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -49,7 +50,7 @@ class Recorded:
 
     probes: dict[str, Any] = field(default_factory=dict)
     times: list[float] = field(default_factory=list)
-    rows: list[list[Any]] = field(default_factory=list)
+    rows: list[list[NDArray[np.float64]]] = field(default_factory=list)
 
     @classmethod
     def of(cls, whose: str, record: Record) -> Recorded:
@@ -65,7 +66,9 @@ class Recorded:
         """Take the present values."""
         if self.probes:
             self.times.append(system.time)
-            self.rows.append([np.array(value_of(system, p), dtype=float) for p in self.probes.values()])
+            values = [np.array(value_of(system, p), dtype=float) for p in self.probes.values()]
+            names = [f"record {name!r}" for name in self.probes]
+            self.rows.append(list(agreed(f"its value at t = {system.time:g}", names, values)))
 
     def find(self, what: Any) -> str | None:
         """The name under which a probe is recorded, if it is.

@@ -204,7 +204,8 @@ def report_check(source: Source, result: Result) -> bool:
     try:
         source.check(result)
     except AssertionError as error:
-        say(f"check of {source.name} failed: {error}")
+        if world().rank == 0:
+            say(f"check of {source.name} failed: {error}")
         return False
     print(f"check of {source.name} passed")
     return True

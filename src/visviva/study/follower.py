@@ -12,7 +12,7 @@ from visviva.output.states import StateFile
 from visviva.output.tables import Table
 from visviva.study.forecast import Forecast
 from visviva.study.recorder import Recorder
-from visviva.study.study import measure
+from visviva.study.study import measured
 
 Array = NDArray[np.float64]
 
@@ -26,8 +26,7 @@ class Follower(Recorder):
     def write_row(self, row: Array) -> None:
         """Evaluate the probes."""
         self.books.ledger.rows.clear()  # which are in the files, too
-        for probe in self.study.probes.values():
-            measure(self.study.system, probe)
+        measured(self.study)
 
     def write_frame(self) -> None:
         """Evaluate the shapes."""

@@ -35,7 +35,7 @@ from visviva.study.origin import Origin
 from visviva.study.profile import Profile
 from visviva.study.progress import progress_bar
 from visviva.study.shown import draw
-from visviva.study.study import Study, measure, probe_columns
+from visviva.study.study import Study, measured, probe_columns
 from visviva.study.summary import steps_of, summary
 
 Array = NDArray[np.float64]
@@ -154,7 +154,12 @@ class Recorder:
     def resume(cls, study: Study, files: RunDirectory, force: bool, notes: dict[str, Any]) -> Recorder:
         """Open the files of an earlier run at its last saved state."""
         kept = restart.notes_of(files.state)
-        origin, changed = Origin.read(files).resumed(files, study, force)
+        origin, changed = by_first(
+            f"compare with the run in {files.path}",
+            lambda: Origin.read(files).resumed(
+                files, study, force
+            ),  # functions may ask who calls them, to print
+        )
         # as in the run, which settles the solver
         result, books = begin(study.system, study.scheme, project=True, step=study.step)
         restart.load(files.state, result, books, bool(changed))
@@ -305,9 +310,8 @@ class Recorder:
         assert self.probes is not None
         self.outbox.do(partial(self.ledger.append, row.copy()))
         self.rows += 1
-        system = self.study.system
-        values = [np.ravel(measure(system, probe)) for probe in self.study.probes.values()]
-        self.outbox.do(partial(self.probes.append, np.concatenate([[system.time], *values])))
+        values = np.concatenate([[self.study.system.time], *measured(self.study)])
+        self.outbox.do(partial(self.probes.append, values))
 
     def write_frame(self) -> None:
         """The shapes at the present state."""

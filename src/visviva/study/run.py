@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -120,8 +121,6 @@ def run(
     >>> result.statistics.steps
     10
     """
-    from visviva.output.compressed import compress as compress_file
-    from visviva.study import drawings
     from visviva.study.follower import Follower
     from visviva.study.recorder import Cadence, Recorder
 
@@ -154,11 +153,27 @@ def run(
             stopped = lambda: int(world().largest(interrupted()))  # noqa: E731
             recorder.march(stopped, progress and is_first, save_every, deadline)
         recorder.finish()
-        if compress and is_first and files.trajectory.exists():
-            compress_file(files.trajectory)
-        for complaint in drawings.draw_run(study, files, movies=movies) if pictures and is_first else ():
-            warnings.warn(complaint, stacklevel=2)
+        if compress:
+            by_first("compress the trajectory", partial(compressed, files))
+        if pictures:
+            by_first("draw the run", partial(illustrate, study, files, movies))
     return recorder.result
+
+
+def compressed(files: RunDirectory) -> None:
+    """Compress the trajectory, if there are shapes in it."""
+    from visviva.output.compressed import compress
+
+    if files.trajectory.exists():
+        compress(files.trajectory)
+
+
+def illustrate(study: Study, files: RunDirectory, movies: bool) -> None:
+    """Draw plots, pictures and movie; what cannot be drawn is warned of."""
+    from visviva.study import drawings
+
+    for complaint in drawings.draw_run(study, files, movies=movies):
+        warnings.warn(complaint, stacklevel=4)  # where the run is called
 
 
 def announce(recorder: Recorder, tell: Callable[[str], None] | None) -> None:

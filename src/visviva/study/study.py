@@ -6,6 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from visviva.analysis.adaptive import Adaptive
 from visviva.base.arguments import Named, finite, positive, refuse_other
 from visviva.base.errors import InputError, nearest
@@ -14,8 +17,10 @@ from visviva.measure.names import USUAL, columns_of, units_of, usual_fields
 from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.output.pictures import ALWAYS, Pictures
 from visviva.scheme.schemes import EnergyMomentum, Scheme
+from visviva.system.agreement import agreed
 from visviva.system.system import System
 
+Array = NDArray[np.float64]
 Probe = Form | Vector | Strain | Callable[[System], Any]
 """Type of probes: a form, vector or strain, or a function of the system."""
 
@@ -110,6 +115,13 @@ class Study(metaclass=Named):
 def measure(system: System, probe: Probe) -> Any:
     """Present value of a probe."""
     return probe(system) if callable(probe) else system.value(probe)
+
+
+def measured(study: Study) -> Sequence[Array]:
+    """Present values of all probes, the same in all processes, each of which asks for them."""
+    system, names = study.system, [f"probe {name!r}" for name in study.probes]
+    values = [np.ravel(np.asarray(measure(system, p), dtype=float)) for p in study.probes.values()]
+    return agreed(f"its value at t = {system.time:g}", names, values)
 
 
 def probe_columns(study: Study) -> dict[str, str]:

@@ -17,7 +17,8 @@ from visviva.base.world import world
 from visviva.component.component import Component
 
 if TYPE_CHECKING:
-    from visviva.model.field import Field
+    from visviva.model.driving import Driving
+    from visviva.model.field import Field, Prescription
     from visviva.system.newton import Newton
     from visviva.system.system import System
 
@@ -25,6 +26,13 @@ T = TypeVar("T")
 Array = NDArray[np.float64]
 Arguments = dict[str, dict[str, str]]
 """Values of arguments, by the labels of components and the names of arguments."""
+ALIKE = 1e-9
+"""Differences, relative to the largest of some values, by which these are the same but for rounding."""
+CALLED = (
+    "Every process calls it, and has to get the same: give random numbers a seed, and use nothing that other functions "
+    "have noted, which not all processes call as often; or ask all of them, by world().first(number) or "
+    "world().largest(number) of visviva.base.world"
+)
 
 
 def told(
@@ -121,6 +129,59 @@ def refuse_different_edits(system: System) -> None:
         with world().doing(f"march system {system.composition.number}"):
             if world().largest(system.report is None or is_edited(system)):
                 refuse_different_states(system.model.fields, system.x, system.v)
+
+
+def agreed(what: str, owners: Sequence[str], values: Sequence[Array]) -> Sequence[Array]:
+    """What functions of these owners gave in every process, as the first has it: the same but for rounding.
+
+    Raises
+    ------
+    InputError
+        With the first owner of whom another process has another value.
+    """
+    if world().size == 1 or not owners:
+        return values
+    with world().doing(f"compare {what}"):
+        firsts: Sequence[Array] = world().first(values)
+        differ = [k for k, pair in enumerate(zip(values, firsts, strict=True)) if not is_alike(*pair)]
+        if not world().largest(len(differ)):
+            return firsts
+        k = min(k for those in world().together(differ) for k in those)
+        first, *others = world().together(values[k])
+    raise InputError(f"processes differ: {owners[k]}: {what} is {first_unlike(first, others)}. {CALLED}")
+
+
+def agreed_motions(prescribed: Sequence[Prescription], time: float) -> Sequence[Array]:
+    """Values of what is prescribed, as the first process has them."""
+    owners, values = [p.component.label for p in prescribed], [p.values(time) for p in prescribed]
+    return agreed(f"what it prescribes at t = {time:g}", owners, values)
+
+
+def agreed_signals(driving: Driving, step: Any, length: float) -> Array:
+    """Functions of time, see `Driving.values`, as the first process has them."""
+    columns = [*driving.values(step, length).T]
+    found = agreed(f"its function of time at t = {step.t1:g}", driving.owners, columns)
+    return np.ascontiguousarray(np.transpose(found))
+
+
+def is_alike(own: Array, other: Array) -> bool:
+    """Whether values are the same but for rounding."""
+    return own.shape == other.shape and not unlike(own, other).any()
+
+
+def unlike(own: Array, other: Array) -> NDArray[np.bool_]:
+    """Which values are not the same."""
+    size = np.abs(other[np.isfinite(other)]).max(initial=0.0)
+    return ~np.isclose(own, other, rtol=0.0, atol=ALIKE * size, equal_nan=True)
+
+
+def first_unlike(first: Array, others: Sequence[Array]) -> str:
+    """The first value that another process has otherwise, in words."""
+    k, other = next((k, other) for k, other in enumerate(others, 1) if not is_alike(other, first))
+    if other.shape != first.shape:
+        return f"of shape {first.shape} in process 0, {other.shape} in process {k}"
+    at = np.argmax(unlike(other, first))
+    return f"{first.flat[at]!s} in process 0, {other.flat[at]!s} in process {k}"
 
 
 def is_edited(system: System) -> bool:

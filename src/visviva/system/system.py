@@ -367,7 +367,8 @@ class System(metaclass=Named):
 
     def signals(self, step: Any) -> Array:
         """Prescribed functions of time at the step: rows for t0, te, t1 and the rate at t1."""
-        return self.model.driving.values(step, step.h if step.has_length else self.clock.step)
+        length = step.h if step.has_length else self.clock.step
+        return agreement.agreed_signals(self.model.driving, step, length)
 
     def step(self, h: float, scheme: Scheme | None = None) -> Any:
         """Advance by one step of length `h`; if it does not converge, `StepFailure` and the state is kept."""
@@ -389,8 +390,8 @@ class System(metaclass=Named):
 
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
-        for p in self.model.driving.prescribed:
-            values = p.values(step.t1)
+        moved = self.model.driving.prescribed
+        for p, values in zip(moved, agreement.agreed_motions(moved, step.t1), strict=True):
             if not np.isfinite(values).all():
                 raise RunError(f"{p.component.label}: its motion is not finite at t = {step.t1:g}")
             self.core.dx[p.unknowns] = values - self.x[p.unknowns]
