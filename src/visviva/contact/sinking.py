@@ -29,6 +29,8 @@ FLEXIBLE = 40
 """How many times as deep solids are watched: vertices that slide over edges of theirs within a step sink that far."""
 AVERAGED = 10
 """The same by mortar."""
+COVERED = 0.01
+"""Part of the area of a vertex that bodies which are not watched cover, by mortar, whose gaps need a tenth of it."""
 THIN = 20
 """The same of lines along bars and shells, whose own widths do not count."""
 THINNEST = 0.01
@@ -67,7 +69,9 @@ def deforming(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | No
     bodies = mesh_bodies(first, second)
     if first is second or not bodies or not isinstance(second, Attachable | Obstacle):
         return None
-    if _is_averaged(contact) and (len(bodies) > 1 or not all(map(_encloses, bodies))):
+    if _is_averaged(contact) and not all(map(_encloses, bodies)):
+        return None
+    if _is_averaged(contact) and len(bodies) > 1 and not _covers_little(contact, second):
         return None
     if isinstance(first, RigidBody) and first.shape is not None and len(first.shape.feelers[0]) == 1:
         return None  # balls are exact
@@ -80,6 +84,12 @@ def deforming(contact: Contact) -> tuple[Attachable, Attachable | Obstacle] | No
         is_closed or mesh_bodies(body) for body, is_closed in zip((first, second), closed, strict=True)
     )
     return (first, second) if any(closed) and extends else None
+
+
+def _covers_little(contact: Contact, second: Attachable | Obstacle) -> bool:
+    """Whether a body may stand on so little of a facet of the first one that no mortar gap is held there."""
+    spans = np.sort(np.ptp(whole_surface(contact, second).places, axis=0)[: contact._surface.dimension])
+    return bool(np.prod(spans[:-1]) < COVERED * contact._surface.areas.max())
 
 
 def _are_thin(contact: Contact) -> bool:
@@ -171,7 +181,7 @@ def _deep(contact: Contact, are_closed: bool) -> float:
     bodies = mesh_bodies(contact.first, contact.second)
     if not are_closed:
         return UNSEEN * THIN
-    if bodies and _is_averaged(contact) and not _is_named(contact):
+    if len(bodies) == 1 and _is_averaged(contact) and not _is_named(contact):
         return UNSEEN * AVERAGED
     return UNSEEN * (FLEXIBLE if bodies else 1)
 
@@ -212,6 +222,11 @@ def whole_surface(contact: Contact, body: Attachable | Obstacle) -> Surface:
 
 def _cure(contact: Contact, pairing: tuple[Attachable, Attachable | Obstacle]) -> str:
     first, second = (body.label for body in pairing)
+    if contact.is_mortar and len(mesh_bodies(*pairing)) > 1:
+        return (
+            f"{second} covers too little of facets of {first} for mortar gaps: exchange first and second, or give "
+            f"{first} finer cells"
+        )
     if contact.is_mortar and not (mesh_bodies(*pairing) and isinstance(pairing[1], Obstacle)):
         rigid = next(body.label for body in pairing if isinstance(body, RigidBody))
         bends = "".join(
