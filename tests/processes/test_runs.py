@@ -312,9 +312,11 @@ def test_processes_that_compose_different_systems_are_refused(tmp_path: Path) ->
 FOUND = """
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import visviva as vv
 from visviva.base.world import world
+from visviva.output import compressed
 from visviva.output.lock import locked
 from visviva.output.tables import Table
 
@@ -365,6 +367,9 @@ if is_first:
 run("full")
 Table.append = append
 run("full", resume=True)
+if is_first:
+    compressed.shutil = SimpleNamespace(disk_usage=lambda path: SimpleNamespace(free=0))
+run("compressed", compress=True)
 """
 
 
@@ -386,7 +391,9 @@ def test_what_the_first_process_finds_in_a_directory_all_may_catch(tmp_path: Pat
         "is being written",
     )
     for line, word in zip(
-        told[0], (*words, "the disk is full; the run can be resumed", "went on"), strict=True
+        told[0],
+        (*words, "the disk is full; the run can be resumed", "went on", "cannot be compressed"),
+        strict=True,
     ):
         assert word in line
     assert told[1] == told[0]
