@@ -91,16 +91,21 @@ def test_of_uniform_temperatures_the_zero_matters_little(start: float, size: flo
 
 
 def test_flows_that_are_set_going_are_measured_by_their_speed() -> None:
-    """Under a lid that swings, slowly enough for the flow to be that of Stokes, in two units of speed."""
+    """Under a lid that swings, slowly enough for the flow to be that of Stokes, in two units of speed, with
+    a weight that pressures balance.
+    """
 
-    def moved(u: float) -> tuple[Any, int]:
+    def moved(u: float, *loads: Any) -> tuple[Any, int]:
         fluid = vv.Fluid(mesh=vv.RectangleMesh(size=(1, 1), counts=(4, 4)), density=1.0, viscosity=0.1)
         lid = vv.VelocityBoundary(fluid=fluid, faces="y1", velocity=(f"{u}*sin(30*t)", 0, 0))
         walls = [vv.NoSlip(fluid=fluid, faces=side) for side in ("x0", "x1", "y0")]
-        system = vv.System([fluid, lid, *walls])
+        system = vv.System([fluid, lid, *walls, *loads])
         result = vv.simulate(system, until=0.2, step=0.01, adaptive=vv.Adaptive(tolerance=1e-3))
         return system.x[fluid.flow.unknowns] / u, len(result.times)
 
     (large, steps), (small, taken) = moved(1e-2), moved(1e-4)
+    heavy, as_many = moved(1e-4, vv.Gravity(acceleration=(0, -9.81, 0)))
+    assert as_many >= steps
+    assert heavy == pytest.approx(large, abs=1e-3)
     assert taken == pytest.approx(steps, abs=2)
     assert small == pytest.approx(large, abs=1e-3)

@@ -193,15 +193,15 @@ class Fluid(Meshed):
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
         self._falls_at = self._speed_of_fall(model)
-        known = self.speed or self._starts_at or self._falls_at
+        known = self.speed or self._starts_at
         self.flow = model.field(
             self,
             "velocity",
             v,
             role=Role.VELOCITY,
-            scale=known or 1.0,
+            scale=known or self._falls_at or 1.0,
             node=self.dimension,
-            least=float(known > 0),
+            least=float(known > 0),  # what pressures balance does not fall
         )
         role = Role.FLUID_PRESSURE if self.is_stabilised else Role.MULTIPLIER
         self.pressure = model.field(self, "pressure", np.zeros(self._n_pressures), role=role, stage=1)

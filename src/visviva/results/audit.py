@@ -202,11 +202,8 @@ def energy_verdict(result: Result) -> str:
     gained, lost = (
         x / ledger.energy_scale for x in (ledger.greatest("imbalance"), -ledger.least("imbalance"))
     )
-    if (
-        scheme.conserves_energy
-        and max(gained, lost) <= LOOSE
-        and (leaking := next(alone(ledger, scheme), ""))
-    ):
+    leaking = next(alone(ledger, scheme), "")
+    if leaking and (not scheme.conserves_energy or max(gained, lost) <= LOOSE):
         return leaking
     if max(gained, lost) <= CONSERVED:
         return "conserved"
@@ -214,10 +211,8 @@ def energy_verdict(result: Result) -> str:
         return "conserved as well as the tolerances of the solvers allow"
     if not scheme.has_inertia:
         return statics_verdict(result, max(gained, lost))
-    if scheme.dissipates and (gaining := next(alone(ledger, scheme), "")):
-        return gaining
     if excuse := next(excuses(result, gained, lost), ""):
-        return excuse
+        return leaking or excuse
     if scheme.conserves_energy:
         return (
             "WRONG, as this scheme conserves energy: the work of some force is not booked, or its stress is no "
@@ -226,7 +221,7 @@ def energy_verdict(result: Result) -> str:
     if not scheme.dissipates:
         return UNPROMISED if max(gained, lost) <= SWAYING else ASTRAY
     if gained > OVERSHOOT * lost + CONSERVED:
-        if scheme.order > 1 and gained <= min(lost, SWAYING):
+        if scheme.order > 1 and gained <= SWAYING:
             return UNPROMISED
         return (
             "WRONG, as this scheme is to dissipate energy, and there was more than before: take shorter steps"

@@ -111,20 +111,25 @@ class Groups:
 def alone(ledger: Ledger, scheme: Scheme) -> Iterator[str]:
     """What gained energy though nothing was done to it that brings that about, whatever was done elsewhere.
 
-    By schemes that conserve energy none is lost, either.
+    By schemes that do not dissipate none is lost, either; those that do, in second order, give some of it back.
     """
     groups, all_of_it = ledger.sizes.groups, ledger.energy_scale
     for members, gained, lost, brought, size in [] if groups is None else groups.balances():
+        either, own = max(gained, lost), size + brought
         if scheme.conserves_energy:
-            astray, may = max(gained, lost), LOOSE * (size + brought) + ROUNDING * all_of_it
+            astray, may = either, LOOSE * own
             meant, cure = (
                 "conserve energy, and it did not balance",
                 "or its stress is no discrete gradient of its energy",
             )
+        elif not scheme.dissipates:
+            astray, may = either, SWAYING * own
+            meant, cure = "keep energies nearly, and they went far astray", "or take shorter steps"
         else:
-            sways = min(lost, SWAYING * size) if scheme.order > 1 else 0.0
-            astray, may = gained, max(SUMMED * brought, OVERSHOOT * lost, sways) + CONSERVED * all_of_it
+            sways = SWAYING * size if scheme.order > 1 else 0.0
+            astray, may = gained, max(SUMMED * brought, OVERSHOOT * lost, sways) + CONSERVED * own
             meant, cure = "dissipate energy, and there was more than before", "or take shorter steps"
+        may += ROUNDING * all_of_it
         if astray > may:
             named = ", ".join(c.label for c in members[:NAMED]) + (", ..." if len(members) > NAMED else "")
             yield (
