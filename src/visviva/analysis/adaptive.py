@@ -40,8 +40,8 @@ class Adaptive(metaclass=Validated):
     resolve that. A step that had to be shortened, since its error was too large or it did not converge, is followed by
     none that is longer.
 
-    Impacts of rigid bodies by multipliers leave no trace in the increment: there what the bodies came deeper into each
-    other in the step is its error.
+    Impacts of rigid bodies by multipliers leave no trace in the increment: there twice what the bodies came deeper into
+    each other in the step is its error, as the next step may take them as deep again before they turn.
 
     Steps end at the points of tables. A short pulse that only an expression or a function knows of can lie between the
     ends of two steps; `max_step` should be shorter than it.
@@ -170,7 +170,7 @@ def adaptive_steps(
             attempt = system.attempt(system.stepper.step_of(scheme, taken))
             rates = system.v.copy()
             there = overlaps(system)
-            deeper = float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
+            deeper = 2 * float((there - depths).max(initial=0.0)) / (rule.tolerance * system.model.length)
             reached = sizes.after_step()
             inverse = sizes.inverse(reached, rule.tolerance)
             error = max(estimate.error(system.core.dx, rates, taken, inverse, rule.tolerance), deeper, 1e-6)
