@@ -419,3 +419,33 @@ def test_mobilities_within_mobilities_follow_their_temperature() -> None:
     expected = np.exp(-2e4 / (8.31446261815324 * 2000)) * np.exp(-1e4 / (8.31446261815324 * 500))
     assert nested.changes
     assert nested.at(5.0).values(np.array(0.5)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("start", [0.03, 0.45, 0.55, 0.97])
+def test_gaps_at_the_ends_of_logarithms_count(start: float) -> None:
+    """Of an alloy, or a battery, with two gaps in 0 ... 1 one was taken for all: areas of 1.5 and 3.4 for 2."""
+    R = 8.31446261815324
+    energies: list[Any] = [
+        vv.RegularSolution(temperature=600.0, excess=[0.0, 0.0, 4.5 * 600.0 * R], volume=600.0 * R),
+        vv.UserFreeEnergy(
+            function=lambda c: c * np.log(c) + (1 - c) * np.log(1 - c) + np.sin(2 * np.pi * c) ** 2
+        ),
+    ]
+    for energy in energies:
+        found = interface(energy, 1e-3, (start, start))
+        assert found is not None
+        assert not found.alone
+        assert (found.low < 0.5) == (start < 0.5)
+
+
+@pytest.mark.parametrize("start", [(0.05, 0.05), (0.2, 0.2), (0.49, 0.51), (0.95, 0.95), (0.02, 0.98)])
+def test_what_falls_beyond_what_it_is_meant_for_has_phases(start: tuple[float, float]) -> None:
+    """As extrapolated tables do: thin interfaces passed, and a strip filled to .109 for .256."""
+
+    def well(c: Any) -> Any:
+        off = np.maximum(np.where(np.real(c) > 0.5, np.real(c) - 1.05, -0.05 - np.real(c)), 0.0)
+        return 4 * (c - 0.05) ** 2 * (c - 0.95) ** 2 - 2e3 * off**4
+
+    found = interface(vv.UserFreeEnergy(function=well), 0.01, start)
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((0.05, 0.95), abs=1e-6)

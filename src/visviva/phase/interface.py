@@ -25,8 +25,11 @@ FINE = 1000
 """Of these between the phases, at least."""
 NEAR = 200
 """Of these to a bound: what ends so near to it may go on beyond, where values are rounded."""
-WIDER = 25
-"""Times that the part where phases are looked for is doubled, unless they lie inside."""
+WIDER = (1.0, 25), (0.1, 30)
+"""By which part of itself that grows in which phases are looked for, and how often, unless they lie inside: by little
+where energies fall beyond what they are meant for."""
+AS_IT_IS = ((1.0, 1),)
+"""Where one such part went on and on others do as well, unless phases lie inside."""
 HALVED = 12
 """Times that what it grows by is halved, where an energy has no values."""
 BESIDE = 10
@@ -118,10 +121,13 @@ def phases(energy: FreeEnergy, start: Pair) -> tuple[Pair, bool] | None:
     """The phases of an energy that a start lies in most, and whether it has no others."""
     if isinstance(energy, DoubleWell):
         return (energy.low, energy.high), True
+    ways: tuple[tuple[float, int], ...] = WIDER
     for low, high in bounds(energy) or windows(energy, start):
         if told(energy, low, high)[1]:
-            pair = searched(energy, low, high, start)
-            return pair and (pair, is_alone(energy, pair, low, high))
+            found = (widened(energy, low, high, start, part, most) for part, most in ways)
+            if pair := next(filter(None, found), None):
+                return pair, is_alone(energy, pair, low, high)
+            ways = AS_IT_IS
     return None
 
 
@@ -167,17 +173,17 @@ def spinodals(energy: FreeEnergy) -> Pair | None:
     return float(found[0] + energy.centre), float(found[-1] + energy.centre)
 
 
-def searched(energy: FreeEnergy, low: float, high: float, start: Pair) -> Pair | None:
-    """The phases that a start lies in most, between bounds or farther away where they go on beyond.
+def widened(energy: FreeEnergy, low: float, high: float, start: Pair, part: float, most: int) -> Pair | None:
+    """The phases that a start lies in most, between bounds that grow where these go on beyond.
 
-    None if there are none, or if they go on and on.
+    They grow by that part of what is between them, so often at most. None if there are no phases, or if they go on.
     """
-    for _ in range(WIDER):
+    for _ in range(most):
         c, found = told(energy, low, high)
         if not found:
             return None
         gap = max(found, key=lambda ends: shared((c[ends[0]], c[ends[1]]), start))
-        reach, before = high - low, (low, high)
+        reach, before = part * (high - low), (low, high)
         if gap[0] < NEAR:
             low = farther(energy, low, -reach)
         if gap[1] >= len(c) - NEAR:
@@ -205,27 +211,38 @@ def above(c: Array, f: Array) -> Array:
 
 def farther(energy: FreeEnergy, end: float, reach: float) -> float:
     """A composition as far beyond an end as an energy has values, up to some reach."""
-    for part in 0.5 ** np.arange(HALVED):
-        try:
-            with np.errstate(all="ignore"):
-                values = energy.values(np.linspace(end, end + part * reach, SAMPLES // 10))
-        except RunError:  # what the user's function is taken from ends in between
-            continue
-        if np.all(np.isfinite(values)):
-            return float(end + part * reach)
-    return end
+    has, lacks = 0.0, 1.0
+    if has_values(energy, end, end + reach):
+        return end + reach
+    for _ in range(HALVED):
+        part = 0.5 * (has + lacks)
+        has, lacks = (part, lacks) if has_values(energy, end, end + part * reach) else (has, part)
+    return end + has * reach
+
+
+def has_values(energy: FreeEnergy, first: float, second: float) -> bool:
+    """Whether an energy has values from one composition to another."""
+    try:
+        with np.errstate(all="ignore"):
+            return bool(np.all(np.isfinite(energy.values(np.linspace(first, second, SAMPLES // 10)))))
+    except RunError:  # what the user's function is taken from ends in between
+        return False
 
 
 def is_alone(energy: FreeEnergy, pair: Pair, low: float, high: float) -> bool:
-    """Whether there are no other phases between bounds, or about those found; what goes on beyond is not counted."""
-    about = BESIDE * (pair[1] - pair[0])
-    c, found = told(
-        energy,
-        min(low, farther(energy, pair[0], -about)),
-        max(high, farther(energy, pair[1], about)),
+    """Whether there are no other phases between bounds, or about those found.
+
+    What goes on beyond is not counted, but where values end nothing does.
+    """
+    about, middle = BESIDE * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])
+    low, high = min(low, farther(energy, pair[0], -about)), max(high, farther(energy, pair[1], about))
+    c, found = told(energy, low, high)
+    goes_down, goes_up = (
+        has_values(energy, end, end + way) for end, way in ((low, -SLIGHT * about), (high, SLIGHT * about))
     )
-    middle = 0.5 * (pair[0] + pair[1])
-    return all(a < NEAR or b >= len(c) - NEAR or c[a] < middle < c[b] for a, b in found)
+    return all(
+        (a < NEAR and goes_down) or (b >= len(c) - NEAR and goes_up) or c[a] < middle < c[b] for a, b in found
+    )
 
 
 def resolved(energy: FreeEnergy, low: float, high: float, c: Array, gap: tuple[int, int]) -> Pair:
