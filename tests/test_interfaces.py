@@ -266,9 +266,11 @@ def test_energies_are_asked_for_few_values(start: tuple[float, float]) -> None:
     assert not found.alone
     assert len(asked) < 150
     assert sum(asked) < 60_000
-    assert interface(counted(lambda c: c**3 - 3 * c**2), 1.0, start) is None
+    assert (
+        interface(counted(lambda c: c**3 - 3 * c**2), 1.0, start) is None
+    )  # followed twice: by doubling, by little
     assert len(asked) < 300
-    assert sum(asked) < 240_000
+    assert sum(asked) < 400_000
 
 
 @pytest.mark.parametrize("start", [(0.45, 0.55), (0.5, 0.5), (0.4, 0.4)])
