@@ -84,11 +84,16 @@ class World:
         Raises
         ------
         InputError
-            If another one begins something else, or this one was forked.
+            If another one begins something else, this one was forked, or the function that asks is not called by all.
         """
         if os.getpid() != self.own:
             raise InputError(
                 f"a process that was forked is none of the {self.size} that share the systems made before: make its own"
+            )
+        if asking := errors.called_apart():
+            raise InputError(
+                f"{asking} is called by each process for what it has, or by the first alone, and cannot {what}: others "
+                "would wait for ever; ask them in a motion, a function of time or a probe, which all call"
             )
         if self.is_inside:
             return

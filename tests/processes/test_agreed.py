@@ -43,6 +43,9 @@ class Drive:
     def asked(self, t):
         return 0.1 * world().first(self.felt)
 
+    def asking(self, t, x, v):
+        return (world().largest(0.0) if t > 0.07 else 0.0, 0, 0)
+
 
 class Rubber:
     peak = 0.0
@@ -114,6 +117,11 @@ def asked():
     return driven("asked")
 
 
+def asking():
+    ball = vv.PointMass(mass=1.0, position=(9, 0, 0), name="ball")
+    return moved(0.0, ball, vv.Force(on=ball, force=Drive().asking, name="wind"))
+
+
 def largest():
     stretched(world().largest)
 
@@ -129,7 +137,7 @@ def printed():
         vv.run(study, place / f"printed {world().size}", resume=until > 0.1, pictures=False, progress=False)
 
 
-for case in (shaken, driven, pressed, heated, stretched, recorded, stopped, asked, largest, printed):
+for case in (shaken, driven, pressed, heated, stretched, recorded, stopped, asked, largest, printed, asking):
     kept.clear()
     try:
         told = f"went on to {case()}"
@@ -148,7 +156,7 @@ def test_functions_that_give_processes_other_values_are_refused(tmp_path: Path) 
     (tmp_path / "unlike.py").write_text(UNLIKE)
     one, two = (launched(n, str(tmp_path / "unlike.py"), str(tmp_path), limit=200) for n in (0, 2))
     assert one.returncode == two.returncode == 0, one.stderr + two.stderr
-    assert [line[:10] for line in one.stdout.splitlines()] == 10 * ["went on to"]
+    assert [line[:10] for line in one.stdout.splitlines()] == 11 * ["went on to"]
     beginnings = (
         "Prescribed 'end': what it prescribes at t = 0.05 is ",
         "Prescribed 'end': what it prescribes at t = 0.1 is 0.0479425538604203 in process 0, 0.0 in process 1. Every",
@@ -163,7 +171,10 @@ def test_functions_that_give_processes_other_values_are_refused(tmp_path: Path) 
         assert line.startswith(f"processes differ: {begins}"), line
         assert "give random numbers a seed" in line
     assert "is False in process 0, True in process 1." in told[6]
-    assert [line[:10] for line in told[len(beginnings) :]] == 3 * ["went on to"]
+    assert [line[:10] for line in told[len(beginnings) : -1]] == 3 * ["went on to"]
+    assert told[-1].startswith(
+        "Force 'wind': its force is called by each process for what it has, or by the first"
+    )
     for name, rows in (("largest", 3), ("printed", 5)):
         tables = [read_table(tmp_path / f"{name} {n}" / "probes.csv") for n in (1, 2)]
         for values, others in zip(*(table.values() for table in tables), strict=True):

@@ -76,6 +76,32 @@ def named(what: str) -> Iterator[None]:
         raise kind(f"{what} raised {type(error).__name__}{told}") from cause
 
 
+_apart: list[str] = []
+
+
+def called_apart() -> str:
+    """Which function of the user is being called that not all processes call as often; nothing if none is."""
+    return _apart[-1] if _apart else ""
+
+
+@contextmanager
+def apart(what: str) -> Iterator[None]:
+    """`named`, for a function that each process calls for what it has, or the first alone.
+
+    Examples
+    --------
+    >>> with apart("Force 'pull': its force"):
+    ...     called_apart()
+    "Force 'pull': its force"
+    """
+    _apart.append(what)
+    try:
+        with named(what):
+            yield
+    finally:
+        _apart.pop()
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """End of a message about an unknown name: the nearest known one, or all if there are few.
 

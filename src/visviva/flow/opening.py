@@ -158,7 +158,7 @@ class FluidTraction(Open):
     def __post_init__(self) -> None:
         super().__post_init__()
         given = callable(self.traction)
-        self._function = guarded(self.label, "traction", self.traction) if given else None
+        self._function = guarded(self.label, "traction", self.traction, by_all=True) if given else None
         if not given and self.fluid.dimension == 2 and self.traction[2] != 0:
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError, RunError, named
+from visviva.base.errors import InputError, RunError, apart, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
@@ -140,11 +140,12 @@ def add_user_force(
     model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label, sizes)))
 
 
-def guarded(label: str, what: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """The user's function; what it raises is raised as an error that names the component."""
+def guarded(label: str, what: str, function: Callable[..., Any], by_all: bool = False) -> Callable[..., Any]:
+    """The user's function, called alike by all processes or not; what it raises becomes an error of the component."""
+    within = named if by_all else apart
 
     def call(*arguments: Any) -> Any:
-        with named(f"{label}: its {what}"):
+        with within(f"{label}: its {what}"):
             return function(*arguments)
 
     return call

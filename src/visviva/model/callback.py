@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite, RunError, named
+from visviva.base.errors import NotFinite, RunError, apart
 
 Array = NDArray[np.float64]
 LawCallback = Callable[..., None]
@@ -70,7 +70,7 @@ class Function:
     def raw(self, e: Any) -> NDArray[Any]:
         """The function's values (m, n), shape checked."""
         n = e.shape[1]
-        with named(f"{self.label}: it"):
+        with apart(f"{self.label}: it"):
             f = np.asarray(self.function(e))
         if f.shape not in ((self.m, n), (n,) if self.m == 1 else (self.m, n)):
             expected = f"({n},)" if self.m == 1 else f"({self.m}, {n})"
