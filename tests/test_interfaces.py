@@ -451,3 +451,18 @@ def test_what_falls_beyond_what_it_is_meant_for_has_phases(start: tuple[float, f
     found = interface(vv.UserFreeEnergy(function=well), 0.01, start)
     assert found is not None
     assert (found.low, found.high) == pytest.approx((0.05, 0.95), abs=1e-6)
+
+
+@pytest.mark.parametrize("start", [0.01, 0.02, 0.0245, 0.03, 0.1])
+def test_a_pole_where_values_end_hides_no_phases(start: float) -> None:
+    """Hard spheres that attract each other (Carnahan & Starling 1969), from vapour: values grow beyond bounds at 1."""
+    spheres = vv.UserFreeEnergy(
+        function=lambda e: e * (np.log(e) - 1) + e * (4 * e - 3 * e**2) / (1 - e) ** 2 - 13 * e**2
+    )
+    found = interface(spheres, 1e-3, (start, start))
+    assert found is not None
+    pair = np.array([found.low, found.high])
+    slopes, values = spheres.slopes(pair), spheres.values(pair)
+    assert slopes[0] == pytest.approx(slopes[1], rel=1e-9)
+    assert values[1] - values[0] == pytest.approx(slopes[0] * (pair[1] - pair[0]), rel=1e-9)
+    assert pair == pytest.approx([0.0244, 0.2988], abs=1e-4)

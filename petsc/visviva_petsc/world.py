@@ -93,7 +93,7 @@ class World:
         if asking := errors.called_apart():
             raise InputError(
                 f"{asking} is called by each process for what it has, or by the first alone, and cannot {what}: others "
-                "would wait for ever; ask them in a motion, a function of time or a probe, which all call"
+                "would wait for ever; ask them in a motion or a probe, which all call"
             )
         if self.is_inside:
             return

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.errors import InputError, RunError
+from visviva.base.errors import InputError, RunError, apart
 from visviva.base.timefunction import OfTime
 from visviva.component.component import settings
 from visviva.component.values import VectorOrFunction
@@ -121,7 +121,8 @@ class Outlet(Open):
     def traction_at(self, time: float, p: FlowFaces) -> Array:
         outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)
         found = np.zeros(p.X.shape)
-        found[:, :, : self.fluid.dimension] = -self.pressure(time) * outward
+        with apart(f"{self.label}: its pressure"):
+            found[:, :, : self.fluid.dimension] = -self.pressure(time) * outward
         return found
 
 
@@ -158,7 +159,7 @@ class FluidTraction(Open):
     def __post_init__(self) -> None:
         super().__post_init__()
         given = callable(self.traction)
-        self._function = guarded(self.label, "traction", self.traction, by_all=True) if given else None
+        self._function = guarded(self.label, "traction", self.traction) if given else None
         if not given and self.fluid.dimension == 2 and self.traction[2] != 0:
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
 

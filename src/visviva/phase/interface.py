@@ -210,7 +210,15 @@ def above(c: Array, f: Array) -> Array:
 
 
 def farther(energy: FreeEnergy, end: float, reach: float) -> float:
-    """A composition as far beyond an end as an energy has values, up to some reach."""
+    """A composition as far beyond an end as an energy has values, up to some reach; not close to where these end."""
+    parts = 0.5 ** np.arange(HALVED)
+    return float(
+        end + next((part for part in parts if has_values(energy, end, end + part * reach)), 0.0) * reach
+    )
+
+
+def farthest(energy: FreeEnergy, end: float, reach: float) -> float:
+    """The same, as close to where values end as makes no difference."""
     has, lacks = 0.0, 1.0
     if has_values(energy, end, end + reach):
         return end + reach
@@ -235,7 +243,7 @@ def is_alone(energy: FreeEnergy, pair: Pair, low: float, high: float) -> bool:
     What goes on beyond is not counted, but where values end nothing does.
     """
     about, middle = BESIDE * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])
-    low, high = min(low, farther(energy, pair[0], -about)), max(high, farther(energy, pair[1], about))
+    low, high = min(low, farthest(energy, pair[0], -about)), max(high, farthest(energy, pair[1], about))
     c, found = told(energy, low, high)
     goes_down, goes_up = (
         has_values(energy, end, end + way) for end, way in ((low, -SLIGHT * about), (high, SLIGHT * about))
