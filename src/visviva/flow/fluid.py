@@ -193,7 +193,8 @@ class Fluid(Meshed):
         v[self.number] = self.initial_velocities()
         self._starts_at = max(float(np.linalg.norm(v, axis=1).max()), self.conditions.speed)
         self._falls_at = self._speed_of_fall(model)
-        known = self.speed or self._starts_at
+        is_balanced = self.conditions.closed and not self.periodic  # by pressures
+        known = self.speed or self._starts_at or (0.0 if is_balanced else self._falls_at)
         self.flow = model.field(
             self,
             "velocity",
@@ -201,7 +202,7 @@ class Fluid(Meshed):
             role=Role.VELOCITY,
             scale=known or self._falls_at or 1.0,
             node=self.dimension,
-            least=float(known > 0),  # what pressures balance does not fall
+            least=float(known > 0),
         )
         role = Role.FLUID_PRESSURE if self.is_stabilised else Role.MULTIPLIER
         self.pressure = model.field(self, "pressure", np.zeros(self._n_pressures), role=role, stage=1)
