@@ -127,6 +127,7 @@ def world() -> World:
     """
     if not _joined:
         _joined.append(_found())
+        _tell_crowds(_joined[0])
         os.register_at_fork(after_in_child=partial(_joined.__setitem__, 0, Alone()))
     return _joined[0]
 
@@ -173,17 +174,15 @@ def _found() -> World:
         return Alone()
     joined: World = brought("several processes").join()
     processes.world = joined.size
-    if joined.size == 1:
-        return Alone()
-    _tell_crowds(joined)
-    return joined
+    return joined if joined.size > 1 else Alone()
 
 
 def _tell_crowds(joined: World) -> None:
-    with joined.doing("count threads and cores"):
-        found = crowds(joined.together(here()))
-    if joined.rank == 0:
-        print("\n".join(found), end="\n" * bool(found), file=sys.stderr)
+    if joined.size > 1:
+        with joined.doing("count threads and cores"):
+            found = crowds(joined.together(here()))
+        for line in found:
+            announce(line)
 
 
 def brought(what: str) -> Any:

@@ -197,9 +197,8 @@ def told(energy: FreeEnergy, low: float, high: float) -> tuple[Array, list[tuple
     """Samples between bounds, and the gaps of their hull over which an energy rises by more than it is rough."""
     c = np.linspace(low, high, SAMPLES)
     f, rough = energy.values(c), 0.0
-    if isinstance(
-        energy, UserFreeEnergy
-    ):  # of tables, or of noise, of which these differences are a multiple
+    if isinstance(energy, UserFreeEnergy):
+        # of tables, or of noise, of which these differences are a multiple
         rough = float(np.quantile(np.abs(np.diff(f, 5)), 0.99))
     return c, [(a, b) for a, b in gaps(c, f) if above(c[a : b + 1], f[a : b + 1]).max() > rough]
 

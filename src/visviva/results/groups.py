@@ -29,7 +29,8 @@ SUMMED = 0.1
 OVERSHOOT = 0.1
 """Part of the energy lost so far that schemes may give back which dissipate over many steps, but not in each."""
 SWAYING = 0.1
-"""Part of the energies by which a balance may sway with schemes that neither conserve nor damp: more is astray."""
+"""Part of the energies by which a balance may sway with schemes that neither conserve nor damp, or that damp in second
+order and give some of it back: more is astray."""
 ROUNDING = 1e-12
 """Energies below this part of those in play are written as none."""
 NAMED = 3
