@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -261,3 +262,34 @@ def test_fields_of_bodies_that_do_not_move() -> None:
     for body, name in ((mixed, "concentration"), (warm, "temperature")):
         found = vv.FieldAt(solid=body, field=name, at=(0.3, 0.6, 0))(system)
         assert found == pytest.approx(0.3 + 0.03 - 0.12, abs=1e-14)
+
+
+def heated(kind: str, field: Callable[[Array], Array]) -> vv.Component:
+    """A body on a unit square, or a beam along one, of which nodes have what the field says."""
+    square, heat = vv.RectangleMesh(size=(1, 1), counts=(2, 2)), vv.Heat(conductivity=1.0, capacity=5.0)
+    soft = vv.NeoHooke(young=1e3, poisson=0.3)
+    if kind == "solid":
+        return vv.ThermoelasticSolid(mesh=square, material=soft, density=1.0, heat=heat, temperature=field)
+    if kind == "shell":
+        section = vv.SolidSection(material=soft, thickness=0.1, density=1.0)
+        return vv.ThermalShell(mesh=square, section=section, heat=heat, temperature=field)
+    if kind == "beam":
+        bar = vv.RectangleSection(width=0.1, height=0.1, young=1e3, density=1.0)
+        line = vv.LineMesh(points=[(0, 0, 0), (1, 0, 0)], count=4)
+        return vv.ThermalBeam(mesh=line, section=bar, heat=heat, temperature=field)
+    if kind == "crack":
+        stiff = vv.SaintVenantKirchhoff(young=1e3, poisson=0.3)
+        return vv.FracturingSolid(mesh=square, material=stiff, toughness=1.0, length=1.0, damage=field)
+    assert kind == "body"
+    return vv.ThermalBody(mesh=square, conductivity=1.0, temperature=field)
+
+
+@pytest.mark.parametrize("kind", ["solid", "shell", "beam", "crack", "body"])
+def test_extremes_of_what_nodes_have_are_theirs(kind: str) -> None:
+    """They were not found where stresses are asked for, or refused."""
+    name, low, rise = ("damage", 0.1, 0.7) if kind == "crack" else ("temperature", 300.0, 50.0)
+    body = heated(kind, lambda X: low + rise * X[:, 0])
+    system = vv.System([body])
+    found = [vv.Extreme(solid=body, field=name, which=which)(system) for which in ("min", "max")]
+    weak = kind in ("solid", "shell", "beam")  # whose temperatures follow from entropies at the nodes
+    assert found == pytest.approx([low, low + rise], rel=1e-3 if weak else 1e-12)

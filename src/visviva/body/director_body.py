@@ -294,7 +294,7 @@ class DirectorBody(MeshBody, Limited):
             np.add.at(torque, nodes, np.cross(x[more], force[more]))
         return torque
 
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+    def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:
         count = sum(np.bincount(cells.ravel(), minlength=self.grid.n_nodes) for cells in self.cells)
         found = {}
         for name in names:

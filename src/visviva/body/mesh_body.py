@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -91,6 +91,18 @@ class MeshBody(Attachable, Meshed):
 
     def _masses_of_nodes(self) -> Array:
         """Row sums (n,) of the mass matrix."""
+        raise NotImplementedError
+
+    def widths_at_points(self) -> Mapping[str, int]:
+        """Fields that its quadrature points have, by name, with their numbers of components."""
+        raise NotImplementedError
+
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        """Fields of one component that its nodes carry, by name: values (n,) at the unknowns of the system."""
+        return {}
+
+    def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:
+        """Fields of the quadrature points at the nodes, (n,) or (n, components) each."""
         raise NotImplementedError
 
     def at_points(self, name: str, x: Array) -> Array:
@@ -262,6 +274,17 @@ class MeshBody(Attachable, Meshed):
         return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
 
     # --- what it shows -------------------------------------------------------------------------------------
+    def samples(self, name: str, x: Array) -> Array:
+        return super().samples(name, x) if name in self.carried() else self.at_points(name, x)
+
+    def widths(self) -> Mapping[str, int]:
+        return {**self.widths_at_points(), **dict.fromkeys(self.carried(), 1)}
+
+    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
+        carried = self.carried()
+        others = self._smoothed(tuple(n for n in names if n not in carried), x)
+        return others | {n: carried[n](x) for n in names if n in carried}
+
     def positions(self, x: Array) -> Array:
         """Positions (n, 3) of the nodes at the unknowns `x` of the system."""
         return self.carriers.at_nodes(x)

@@ -355,16 +355,13 @@ class Solid(MeshBody):
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
         return evaluated(self._elements, x, self.body_material, self.formulation, self._energy)
 
-    def widths(self) -> Mapping[str, int]:
+    def widths_at_points(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
     def _whole(self, values: Sequence[Array], numbers: Sequence[Ints]) -> Array:
         """Values (m, ...) of all elements from those of the elements here, by their numbers."""
         alone = world().size == 1 or not self._is_shared_out
         return np.concatenate(values) if alone else whole(values, numbers)
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        return self._smoothed(tuple(names), x)
 
     def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:
         return smoothed(self.grid, names, self._evaluated(x), add_up=self._is_shared_out)

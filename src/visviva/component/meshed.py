@@ -107,6 +107,11 @@ class Meshed(Component):
             )
         return self.smoothed([name], x)[name]
 
+    def samples(self, name: str, x: Array) -> Array:
+        """A field (m, components) where it is known best: at nodes, of strains and stresses at quadrature points."""
+        values = self.nodal(name, x)
+        return values.reshape(len(values), -1)
+
     # --- what is drawn of it: by default its cells ---------------------------------------------------------
     def drawn(self) -> Surface:
         """Cells that are drawn and stored, at their reference positions."""

@@ -137,17 +137,28 @@ class FieldAt(Reading):
 
 @dataclass(config=settings, frozen=True, kw_only=True)
 class Extreme(Reading):
-    """Probe: the largest or smallest value of a field of a solid, over the quadrature points.
+    """Probe: the largest or smallest value of a field of what has a mesh.
+
+    Of stresses and strains it is over the quadrature points, of what nodes have, such as temperature or damage, over
+    these.
 
     Parameters
     ----------
-    solid : Solid
+    solid : Solid, ThermalBody, CahnHilliard or another body on a mesh
     field : str
         See `Solid.nodal`; of a field with components, the extreme of each, or of one, such as ``cauchy_xx``.
     which : {'max', 'min'}
+
+    Examples
+    --------
+    >>> import visviva as vv
+    >>> wall = vv.BoxMesh(size=(0.2, 1, 1), counts=(4, 1, 1))
+    >>> body = vv.ThermalBody(mesh=wall, conductivity=1.0, capacity=1.0, density=1.0, temperature=310.0)
+    >>> vv.Extreme(solid=body, field="temperature")(vv.System([body]))
+    310.0
     """
 
-    solid: MeshBody
+    solid: Meshed
     field: str = "von_mises"
     which: Literal["max", "min"] = "max"
 
@@ -164,7 +175,7 @@ class Extreme(Reading):
 
     def __call__(self, system: System) -> Any:
         whole, part = within(self.field)
-        values = self.solid.at_points(whole, system.x)
+        values = self.solid.samples(whole, system.x)
         found = values.max(axis=0) if self.which == "max" else values.min(axis=0)
         return float(found[part or 0]) if width_of(self.solid, self.field) == 1 else found
 

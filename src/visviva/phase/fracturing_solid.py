@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -367,12 +367,8 @@ class FracturingSolid(Solid):
             total += float((part.volume * self.law.crack_energy(d @ part.N.T, slope)).sum())
         return total
 
-    def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "damage": 1}
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        others = super().smoothed([n for n in names if n != "damage"], x)
-        return others | ({"damage": self.damages(x)} if "damage" in names else {})
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super().carried(), "damage": self.damages}
 
 
 STRETCHED = 1.5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -320,10 +320,5 @@ class MixtureSolid(Limited, Solid):
         parts = ((p.volume * p.fields(x, 0, len(p.nodes))[..., 15]).sum() for p in self._stressed)
         return float(sum(parts))
 
-    def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "concentration": 1, "potential": 1}
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        own = {"concentration": self.values, "potential": self.potentials}
-        others = super().smoothed([n for n in names if n not in own], x)
-        return others | {n: own[n](x) for n in names if n in own}
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super().carried(), "concentration": self.values, "potential": self.potentials}

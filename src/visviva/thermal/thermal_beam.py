@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -355,12 +355,8 @@ class ThermalBeam(Beam, HeatCarrier):
         """Of the whole body at the unknowns `x` of the system."""
         return float(self._content @ x[self._means])
 
-    def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "temperature": 1}
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        others = super().smoothed([n for n in names if n != "temperature"], x)
-        return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super().carried(), "temperature": self.temperatures}
 
     def resultants(self, x: Array) -> Array:
         """Forces and moments (m, q, 6) in the sections, with those that heat leaves."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass as plain_dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -418,9 +418,5 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         """Of the whole body at the unknowns `x` of the system."""
         return float(self._content @ x[self.entropy.start : self.entropy.start + self.entropy.size])
 
-    def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "temperature": 1}
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        others = super().smoothed([n for n in names if n != "temperature"], x)
-        return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super().carried(), "temperature": self.temperatures}

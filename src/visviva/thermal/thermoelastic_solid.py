@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -354,12 +354,8 @@ class ThermoelasticSolid(Solid, HeatCarrier):
         """Of the whole body at the unknowns `x` of the system."""
         return float(self._content @ x[self.entropy.start : self.entropy.start + self.entropy.size])
 
-    def widths(self) -> Mapping[str, int]:
-        return {**super().widths(), "temperature": 1}
-
-    def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        others = super().smoothed([n for n in names if n != "temperature"], x)
-        return others | ({"temperature": self.temperatures(x)} if "temperature" in names else {})
+    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super().carried(), "temperature": self.temperatures}
 
     def invalid(self, x: Array) -> str:
         """Temperatures of the step below absolute zero, or at which slopes leave nothing positive."""
