@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from visviva.component.momentum import NOWHERE
 from visviva.model.term import Stencils, Term
 from visviva.results.audit import energy_verdict, judgements
 from visviva.results.outside import outside
+from visviva.study.run import run
 
 STEEL = vv.LinearElastic(young=100.0, poisson=0.0)
 
@@ -272,6 +274,55 @@ def test_heat_that_rings_is_wrong(scheme: vv.Scheme, step: float, rings: bool) -
     below = result.history(vv.TemperatureAt(body=slab, at=(0.025, 0, 0)))
     assert bool(min(below) < -0.1) is rings
     assert lines(result).get("changes", "").startswith("WRONG") is rings
+
+
+def air(wall: Any, steps: int, scheme: vv.Scheme) -> tuple[vv.Result, Any]:
+    """Air of 300 K between walls 1 apart, one of which is warmed, and its temperatures beside that wall."""
+    body = vv.ThermalBody(
+        mesh=vv.RectangleMesh(size=(1, 0.1), counts=(40, 1)), conductivity=1.0, temperature=300.0
+    )
+    walls = [vv.PrescribedTemperature(body=body, nodes=x, value=T) for x, T in (("x0", wall), ("x1", 300.0))]
+    result = vv.simulate(vv.System([body, *walls]), until=0.02 * steps, step=0.02, scheme=scheme)
+    return result, np.array(result.history(vv.TemperatureAt(body=body, at=(0.025, 0, 0))))
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.Midpoint()], ids=repr)
+@pytest.mark.parametrize("steps", [3, 4, 5])
+def test_heat_that_rings_in_a_few_steps_is_wrong(steps: int, scheme: vv.Scheme) -> None:
+    """Nothing gets warmer than a wall of 400 K, and what lies beside it does not cool."""
+    result, beside = air(400.0, steps, scheme)
+    assert beside.max() > 450
+    assert np.diff(beside).min() < -90
+    assert lines(result)["changes"].startswith("WRONG")
+
+
+@pytest.mark.parametrize("wall", ["300 + 100*min(t/0.2, 1)", "300 + 50*sin(10*t)"])
+def test_walls_that_warm_over_some_steps_do_not_ring(wall: str) -> None:
+    """Where they hold after that, what lies beside them wavers by a thousandth of what they warmed by."""
+    result, beside = air(wall, 40, vv.EnergyMomentum())
+    assert beside == pytest.approx(air(wall, 40, vv.BackwardEuler())[1], abs=1.0)
+    assert "changes" not in lines(result)
+
+
+@pytest.mark.parametrize("scheme", [vv.BackwardEuler(), vv.BDF2()], ids=repr)
+def test_what_follows_a_wall_that_changes_with_each_step_does_not_ring(scheme: vv.Scheme) -> None:
+    """Beside a wall whose temperature is measured once in a step: these rules bring in no swings of their own."""
+    result, beside = air("300 + 50*sin(3.14159265*t/0.02 + 1.57079633)", 9, scheme)
+    assert np.all(beside[1:] * np.array([-1.0, 1.0] * 4 + [-1.0]) > 300 * np.array([-1.0, 1.0] * 4 + [-1.0]))
+    assert "changes" not in lines(result)
+
+
+def test_ringing_is_found_over_resumes(tmp_path: Path) -> None:
+    """What rings little beside the first change, which was before, does not; what rings, does after as well."""
+    for wall, is_wrong in (("300 + 100*min(t/0.2, 1)", False), ("300 + 100*step(t - 0.29)", True)):
+        for until in (0.28, 0.8):
+            body = vv.ThermalBody(
+                mesh=vv.RectangleMesh(size=(1, 0.1), counts=(40, 1)), conductivity=1.0, temperature=300.0
+            )
+            held = vv.PrescribedTemperature(body=body, nodes="x0", value=wall)
+            study = vv.Study(vv.System([body, held]), until=until, step=0.02)
+            result = run(study, tmp_path / str(is_wrong), resume=until > 0.5, pictures=False)
+        assert bool(result.statistics.swings) == is_wrong
 
 
 def test_rounding_of_heat_does_not_ring() -> None:

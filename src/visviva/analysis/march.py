@@ -312,6 +312,7 @@ def begin(
     with undisturbed(system):
         system.evaluate_ledger()
     books.book(system.time, system.core)
+    books.swings.look(system)
     keep(result)
     return result, books
 
@@ -336,7 +337,8 @@ def record(result: Result, books: Bookkeeper, iterations: int, factorizations: i
     s.steps += 1
     s.iterations += iterations
     s.factorizations += factorizations
-    s.swings = max(s.swings, books.swings.look(result.system))
+    if result.scheme.rings:
+        s.swings = max(s.swings, books.swings.look(result.system))
     for lag in books.ledger.sizes.lags:
         lag.add(result.system)
     return books.book(result.system.time, result.system.core)

@@ -17,7 +17,6 @@ from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
 from visviva.results.spread import unbooked
-from visviva.results.swings import MANY
 
 if TYPE_CHECKING:
     from visviva.component.component import Component
@@ -139,7 +138,7 @@ def judgements(result: Result) -> list[Judgement]:
     if entropy := second_law(result):
         found.append(Judgement("entropy balance (second law)", *entropy))
     found += momentum_judgements(result)
-    if result.statistics.swings >= MANY:
+    if result.statistics.swings:
         found.append(Judgement("changes", f"taken back by {result.statistics.swings} steps in a row", RINGS))
     found += [passing(lag) for lag in ledger.sizes.lags if lag.part > PASSED]
     if stability.equilibria:

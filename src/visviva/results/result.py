@@ -56,7 +56,7 @@ class Statistics:
     rejected: int = 0
     seconds: float = 0.0
     swings: int = 0
-    """Most steps in a row that took back the change of the one before, see `Swings`."""
+    """Most steps in a row that took back enough of the change of the one before to ring, see `Swings`."""
 
 
 @dataclass

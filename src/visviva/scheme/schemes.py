@@ -79,6 +79,15 @@ class Scheme(metaclass=Validated):
         return self.has_inertia and bool(self.motion(1.0)[2][1] == -1)
 
     @property
+    def rings(self) -> bool:
+        """True if what is of first order and fast beside a step alternates after a change, by more than half of it."""
+        if not self.has_inertia:
+            return False
+        rates = np.array(self.transport(1.0)[2:], dtype=float)[:, 1:]  # after steps in which nothing changes
+        least = float(np.linalg.eigvals(rates).real.min())
+        return min(least, 1 - 1 / self.theta) < -0.5
+
+    @property
     def solves_means(self) -> bool:
         """True if multipliers are means over the step rather than values at its end."""
         return self.has_inertia and self.theta < 1

@@ -59,6 +59,7 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
         "span": books.ledger.span,
         "spread": books.ledger.sizes.spread.span,
         "unbooked": books.ledger.sizes.unbooked.span,
+        "swings": books.swings.largest,
     }
     if (missed := books.ledger.sizes.missed) is not None:
         ledger |= {"missed": missed.span, "brought": missed.brought.span}
@@ -135,6 +136,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         missed.brought.span = ledger.arrays.get("brought", missed.brought.span)
     if (groups := books.ledger.sizes.groups) is not None:
         groups.resume(ledger.arrays.get("groups"), ledger.arrays.get("groups_brought"))
+    books.swings.resume(ledger.arrays.get("swings"), system)
     lags.resume(books.ledger.sizes.lags, ledger.arrays.get("lags"), system)
 
 
