@@ -145,16 +145,47 @@ def test_the_first_difference_between_processes_is_told(monkeypatch: pytest.Monk
     fields = vv.System([ball]).model.fields
     monkeypatch.setattr(seam, "_joined", [Beside()])
     agreement.refuse_different([ball], vv.Newton())
-    agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
+    agreement.agree_on_states(fields, np.zeros(3), np.zeros(3))
     agreement.refuse_different_arguments("march", until=1.0)
     monkeypatch.setattr(seam, "_joined", [Beside({"march": {"until": "2", "step": "1"}})])
     with pytest.raises(vv.InputError, match=r"differ: march: until is 1 in process 0, 2 in process 1\. Each"):
         agreement.refuse_different_arguments("march", until=1.0, step=1.0)
     monkeypatch.setattr(seam, "_joined", [Beside({})])
     with pytest.raises(
-        vv.InputError, match=r"differ: PointMass 'ball': state of position .* nothing in process 1"
+        vv.InputError, match=r"differ: PointMass 'ball': what is held of position .* nothing in process 1"
     ):
-        agreement.refuse_different_states(fields, np.zeros(3), np.zeros(3))
+        agreement.agree_on_states(fields, np.zeros(3), np.zeros(3))
+
+
+class Rounded(seam.Alone):
+    """The second of two processes, of which the first has a little more."""
+
+    rank, size = 1, 2
+
+    def __init__(self, more: float) -> None:
+        self.more = more
+
+    def first(self, value: Any) -> Any:
+        return [v + self.more for v in value]
+
+    def together(self, values: Any) -> list[Any]:
+        return [values + self.more, values] if isinstance(values, np.ndarray) else [values]
+
+
+def test_states_that_differ_by_rounding_are_those_of_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rates by differences of functions were compared to the bit: other processors could not begin at all."""
+    ball = vv.PointMass(mass=1.0, position=(3, 0, 0), name="ball")
+    fields = vv.System([ball]).model.fields
+    x, v = np.array([3.0, 0, 0]), np.array([0, 1e-16, 0])
+    monkeypatch.setattr(seam, "_joined", [Rounded(1e-14)])
+    agreement.agree_on_states(fields, x, v)
+    np.testing.assert_array_equal(x, np.array([3.0, 0, 0]) + 1e-14)
+    np.testing.assert_array_equal(v, np.array([0, 1e-16, 0]) + 1e-14)
+    monkeypatch.setattr(seam, "_joined", [Rounded(1e-7)])
+    with pytest.raises(
+        vv.InputError, match=r"PointMass 'ball': state of position .* is 3\.0000001\d* in process 0, 3\.0"
+    ):
+        agreement.agree_on_states(fields, x, v)
 
 
 def test_what_chooses_its_steps_is_closed_where_their_march_is_left(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,6 @@
 // Binding of contact: surfaces as arrays.
 #include "arrays.hpp"
+#include "callback.hpp"
 #include "parts.hpp"
 #include "visviva/contact/contact_heat.hpp"
 #include "visviva/contact/contact_term.hpp"
@@ -291,15 +292,12 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
 }
 
 // The function writes conductances of pressures, both arrays; Python keeps it.
-Conductance conductance_of(const nb::object& function) {
-    return [f = nb::weakref(function)](const std::vector<double>& p, std::vector<double>& h,
-                                       std::vector<double>& slopes) {
+Conductance conductance_of(const Term* term, const nb::object& function) {
+    return [f = Callback(term, function)](const std::vector<double>& p, std::vector<double>& h,
+                                          std::vector<double>& slopes) {
         nb::gil_scoped_acquire gil;
-        nb::object call = f();
-        if (call.is_none())
-            throw std::runtime_error("a conductance was asked for after its system was released");
-        call(handed_over(p), view(h.data(), h.size(), nb::none()),
-             view(slopes.data(), slopes.size(), nb::none()));
+        f(handed_over(p), view(h.data(), h.size(), nb::none()),
+          view(slopes.data(), slopes.size(), nb::none()));
     };
 }
 
@@ -317,7 +315,8 @@ void bind_heat(nb::module_& m) {
             },
             nb::arg("contact"), nb::arg("balance"), nb::arg("temperature"), nb::arg("carries"),
             nb::arg("entropy"), nb::arg("share"))
-        .def("set_conductance", [](ContactHeat& t, nb::object f) { t.set_conductance(conductance_of(f)); })
+        .def("set_conductance",
+             [](ContactHeat& t, nb::object f) { t.set_conductance(conductance_of(&t, f)); })
         .def("book_heat", [](ContactHeat& t, int work) { t.work_account = work; })
         .def_prop_ro(
             "conducted", [](const ContactHeat& t) { return handed_over(t.conducted()); },

@@ -1,5 +1,6 @@
 // Binding of fluids.
 #include "arrays.hpp"
+#include "callback.hpp"
 #include "parts.hpp"
 #include "visviva/flow/flow_term.hpp"
 #include "visviva/flow/open_term.hpp"
@@ -9,13 +10,10 @@ using namespace visviva;
 using Values = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 
 // The function writes `size` values at a time t. It is Python that owns it.
-static FlowLoad load_of(nb::object function, std::size_t size) {
-    return [f = nb::weakref(function), size](double t, double* values) {
+static FlowLoad load_of(const Term* term, const nb::object& function, std::size_t size) {
+    return [f = Callback(term, function), size](double t, double* values) {
         nb::gil_scoped_acquire gil;
-        nb::object call = f();
-        if (call.is_none())
-            throw std::runtime_error("a load of a fluid was called after its system was released");
-        call(t, Values(values, {size}, nb::none()));
+        f(t, Values(values, {size}, nb::none()));
     };
 }
 
@@ -42,7 +40,7 @@ void bind_flow(nb::module_& m) {
             nb::arg("M"), nb::arg("gradients"), nb::arg("volume"), nb::arg("positions"),
             nb::arg("metric").none(), nb::arg("pressures"))
         .def("set_force",
-             [](FlowTerm& t, nb::object f, std::size_t size) { t.set_force(load_of(std::move(f), size)); })
+             [](FlowTerm& t, nb::object f, std::size_t size) { t.set_force(load_of(&t, f, size)); })
         .def("scale_metric", [](FlowTerm& t, const Doubles& factor) { t.scale_metric(factor.data()); })
         .def("blind", [](FlowTerm& t, const Doubles& directions) { t.blind(directions.data()); })
         .def("book_flow", [](FlowTerm& t, int owner, int kinetic, int viscosity, int stabilisation, int force,
@@ -64,7 +62,7 @@ void bind_flow(nb::module_& m) {
                  new (t) OpenTerm(d);
              })
         .def("set_load",
-             [](OpenTerm& t, nb::object f, std::size_t size) { t.set_load(load_of(std::move(f), size)); })
+             [](OpenTerm& t, nb::object f, std::size_t size) { t.set_load(load_of(&t, f, size)); })
         .def("book_open",
              [](OpenTerm& t, int load, int flow) { t.load_account = load, t.flow_account = flow; });
 }

@@ -2,6 +2,7 @@
 #include <nanobind/stl/optional.h>
 
 #include "arrays.hpp"
+#include "callback.hpp"
 #include "parts.hpp"
 #include "visviva/flow/immersed_heat.hpp"
 #include "visviva/flow/immersed_term.hpp"
@@ -10,23 +11,17 @@ using namespace visviva;
 
 namespace {
 
-// A function that Python owns, while there is one.
-nb::object alive(const nb::weakref& function) {
-    nb::object call = function();
-    if (call.is_none()) throw std::runtime_error("an immersed solid was asked after its system was released");
-    return call;
-}
-
 nb::object rows(const double* values, std::size_t n, std::size_t dim) {
     return nb::cast(nb::ndarray<nb::numpy, const double>(values, {n, dim}, nb::none()));
 }
 
 // Takes starts and places (n, dim), returns unknowns and weights (n, width).
-Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t dim, std::size_t width) {
-    return [f = nb::weakref(function), n, dim, width](const double* starts, const double* places,
-                                                      int* unknown, double* weight) {
+Interpolation interpolation_of(const Term* term, const nb::object& function, std::size_t n, std::size_t dim,
+                               std::size_t width) {
+    return [f = Callback(term, function), n, dim, width](const double* starts, const double* places,
+                                                         int* unknown, double* weight) {
         nb::gil_scoped_acquire gil;
-        auto found = nb::cast<nb::tuple>(alive(f)(rows(starts, n, dim), rows(places, n, dim)));
+        auto found = nb::cast<nb::tuple>(f(rows(starts, n, dim), rows(places, n, dim)));
         const auto unknowns = nb::cast<Ints>(found[0]);
         const auto weights = nb::cast<Doubles>(found[1]);
         if (unknowns.size() != n * width || weights.size() != n * width)
@@ -37,20 +32,20 @@ Interpolation interpolation_of(nb::object function, std::size_t n, std::size_t d
 }
 
 // Takes starts and ends (n, dim), returns a point and why it may not end there, or None.
-Admission admission_of(nb::object function, std::size_t n, std::size_t dim) {
-    return [f = nb::weakref(function), n, dim](const double* starts, const double* ends) -> Lost {
+Admission admission_of(const Term* term, const nb::object& function, std::size_t n, std::size_t dim) {
+    return [f = Callback(term, function), n, dim](const double* starts, const double* ends) -> Lost {
         nb::gil_scoped_acquire gil;
-        const nb::object found = alive(f)(rows(starts, n, dim), rows(ends, n, dim));
+        const nb::object found = f(rows(starts, n, dim), rows(ends, n, dim));
         if (found.is_none()) return {};
         return {nb::cast<int>(found[0]), nb::cast<std::string>(found[1])};
     };
 }
 
 // Takes places and moves (n, dim), returns where the unknowns of each begin, (n + 1), and all of them.
-Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
-    return [f = nb::weakref(function), n, dim](const double* places, const double* moves) {
+Coupling coupling_of(const Term* term, const nb::object& function, std::size_t n, std::size_t dim) {
+    return [f = Callback(term, function), n, dim](const double* places, const double* moves) {
         nb::gil_scoped_acquire gil;
-        auto found = nb::cast<nb::tuple>(alive(f)(rows(places, n, dim), rows(moves, n, dim)));
+        auto found = nb::cast<nb::tuple>(f(rows(places, n, dim), rows(moves, n, dim)));
         const auto starts = nb::cast<Ints>(found[0]), unknowns = nb::cast<Ints>(found[1]);
         std::vector<std::vector<int>> coupled(n);
         for (std::size_t k = 0; k < n; ++k)
@@ -60,11 +55,11 @@ Coupling coupling_of(nb::object function, std::size_t n, std::size_t dim) {
 }
 
 // Takes places (n, dim); None where nobody asks.
-Reach reach_of(nb::object function, std::size_t n, std::size_t dim) {
+Reach reach_of(const Term* term, const nb::object& function, std::size_t n, std::size_t dim) {
     if (function.is_none()) return {};
-    return [f = nb::weakref(function), n, dim](const double* places) {
+    return [f = Callback(term, function), n, dim](const double* places) {
         nb::gil_scoped_acquire gil;
-        alive(f)(rows(places, n, dim));
+        f(rows(places, n, dim));
     };
 }
 
@@ -91,19 +86,18 @@ void bind_immersed(nb::module_& m) {
                nb::object admit, nb::object couple, nb::object reach) {
                 const int n = static_cast<int>(multiplier.size()),
                           terms = static_cast<int>(vector.size()) / n;
-                new (t)
-                    ImmersedTerm({dim,
-                                  terms,
-                                  width,
-                                  damping,
-                                  leaves,
-                                  vector_of(vector),
-                                  vector_of(weight),
-                                  vector_of(multiplier),
-                                  {held.data(), held.data() + held.size()}},
-                                 interpolation_of(std::move(interpolate), n, dim, width),
-                                 admission_of(std::move(admit), n, dim),
-                                 coupling_of(std::move(couple), n, dim), reach_of(std::move(reach), n, dim));
+                new (t) ImmersedTerm({dim,
+                                      terms,
+                                      width,
+                                      damping,
+                                      leaves,
+                                      vector_of(vector),
+                                      vector_of(weight),
+                                      vector_of(multiplier),
+                                      {held.data(), held.data() + held.size()}},
+                                     interpolation_of(t, interpolate, n, dim, width),
+                                     admission_of(t, admit, n, dim), coupling_of(t, couple, n, dim),
+                                     reach_of(t, reach, n, dim));
             },
             nb::arg("dim"), nb::arg("width"), nb::arg("damping"), nb::arg("leaves"), nb::arg("vector"),
             nb::arg("weight"), nb::arg("multiplier"), nb::arg("held"), nb::arg("interpolate"),

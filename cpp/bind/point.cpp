@@ -92,8 +92,10 @@ void bind_point(nb::module_& m) {
             },
             nb::arg("kind"), nb::arg("index"), nb::arg("groups"), nb::arg("volume"), nb::arg("par"),
             nb::arg("reference").none())
-        .def("set_callback", [](PointTerm& t, nb::object f,
-                                const std::vector<double>& start) { t.set_callback(law_callback(f), start); })
+        .def("set_callback",
+             [](PointTerm& t, nb::object f, const std::vector<double>& start) {
+                 t.set_callback(law_callback(&t, f), start);
+             })
         .def("limit", &PointTerm::limit)
         .def("drive", &PointTerm::drive, nb::arg("places"), nb::arg("account"))
         .def("history", &history)

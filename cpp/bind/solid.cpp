@@ -40,7 +40,7 @@ void bind_solid(nb::module_& m) {
             },
             nb::arg("kind"), nb::arg("small"), nb::arg("index"), nb::arg("gradients"), nb::arg("volume"),
             nb::arg("par"), nb::arg("hoop").none(), nb::arg("mass").none(), nb::arg("damping").none())
-        .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(f)); })
+        .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(&t, f)); })
         .def_prop_rw("start_stress", &SolidTerm::start_stress, &SolidTerm::set_start_stress)
         .def("set_plane_stress", &SolidTerm::set_plane_stress)
         .def("set_thermal", [](SolidTerm& t, Doubles strain) { t.set_thermal(strain.data()); })

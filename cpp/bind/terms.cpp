@@ -40,37 +40,30 @@ static nb::tuple arrays_of(const LawArguments& a) {
                           own(a.h0, h, n), own(a.h1, h, n), own(a.lost, h > 0 ? 1 : 0, n));
 }
 
-// Functions of the user often know the system that calls them. The Python side owns them, and only weak
-// references lie here, where the garbage collector could not see the cycle.
-static nb::object alive(const nb::weakref& f) {
-    nb::object g = f();
-    if (g.is_none())
-        throw std::runtime_error("a function of the user was called after its system was released");
-    return g;
-}
-
-LawCallback law_callback(nb::object function) {
-    return [f = nb::weakref(function)](const LawArguments& a) {
+LawCallback law_callback(const Term* term, const nb::object& function) {
+    return [f = Callback(term, function)](const LawArguments& a) {
         if (a.n == 0) return;  // one of several processes may have no elements; functions need not take none
         nb::gil_scoped_acquire gil;
-        alive(f)(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
+        f(a.n, a.want_tangent, a.t, a.h, a.stress == Stress::discrete_gradient, arrays_of(a));
     };
 }
 
-static CallbackTerm::Function term_callback(nb::object function, std::size_t n, std::size_t nl) {
+static CallbackTerm::Function term_callback(const Term* term, const nb::object& function, std::size_t n,
+                                            std::size_t nl) {
     if (function.is_none()) return {};
-    return [f = nb::weakref(function), n, nl](const TermArguments& a) {
+    return [f = Callback(term, function), n, nl](const TermArguments& a) {
         nb::gil_scoped_acquire gil;
         const std::size_t shape[3] = {n, nl, nl};
-        alive(f)(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
-                 own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
-                 view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6),
-                 own(a.v0, n, nl));
+        f(*a.step, own(a.x0, n, nl), own(a.x1, n, nl), own(a.rate, n, nl), own(a.second_rate, n, nl),
+          own(a.v1, n, nl), own(a.residual, n, nl), View(a.tangent, 3, shape, nb::none()),
+          view(a.energy, n, nb::none()), view(a.work, n, nb::none()), own(a.momentum, n, 6),
+          own(a.v0, n, nl));
     };
 }
 
 void bind_terms(nb::module_& m) {
     bind_kinds<LawKind>(m, "LawKind", law_traits);
+    m.def("caller", &Callback::caller);
     nb::class_<Term>(m, "Term")
         .def_rw("name", &Term::name)
         .def_rw("is_rigidity", &Term::is_rigidity)
@@ -92,7 +85,7 @@ void bind_terms(nb::module_& m) {
                                 static_cast<int>(index.shape(1)), index.data(), weight.data(), y_const.data(),
                                 e_const.data(), par.data(), static_cast<int>(par.shape(0)), signal.data());
              })
-        .def("set_callback", [](StrainTerm& t, nb::object f) { t.set_callback(law_callback(f)); });
+        .def("set_callback", [](StrainTerm& t, nb::object f) { t.set_callback(law_callback(&t, f)); });
     nb::class_<InertiaTerm, Term>(m, "InertiaTerm")
         .def("__init__", [](InertiaTerm* t, int order, int n_nodes, int dim, const Ints& pair,
                             const Doubles& mass, const Ints& index, const Ints& is_position) {
@@ -105,14 +98,14 @@ void bind_terms(nb::module_& m) {
                 nb::object ledger, nb::object accept) {
                  const auto n = index.shape(0), nl = index.shape(1);
                  new (t) CallbackTerm(static_cast<int>(n), static_cast<int>(nl), index.data(),
-                                      term_callback(residual, n, nl), term_callback(tangent, n, nl),
-                                      term_callback(ledger, n, nl), term_callback(accept, n, nl));
+                                      term_callback(t, residual, n, nl), term_callback(t, tangent, n, nl),
+                                      term_callback(t, ledger, n, nl), term_callback(t, accept, n, nl));
              })
         .def("ask_to_look",
              [](CallbackTerm& t, nb::object function, std::size_t n) {
-                 t.look = [f = nb::weakref(function), n](const double* x) {
+                 t.look = [f = Callback(&t, function), n](const double* x) {
                      nb::gil_scoped_acquire gil;
-                     alive(f)(view(const_cast<double*>(x), n, nb::none()));
+                     f(view(const_cast<double*>(x), n, nb::none()));
                  };
              })
         .def_rw("work_account", &CallbackTerm::work_account);

@@ -54,7 +54,7 @@ class World:
     noted : str
         Error that this one has met since.
     is_inside : bool
-        Whether all have begun the same, in which they do more together.
+        Whether all have begun the same, in which the core does more together.
     """
 
     def __init__(self, comm: Any) -> None:
@@ -67,7 +67,7 @@ class World:
 
     @contextmanager
     def doing(self, what: str) -> Iterator[None]:
-        """Inside, all do `what` together; whoever goes on with something else is refused."""
+        """Inside, all do `what` together; whoever begins something else is refused."""
         self.begin(what)
         outer, self.is_inside = self.is_inside, True
         try:
@@ -84,19 +84,9 @@ class World:
         Raises
         ------
         InputError
-            If another one begins something else, this one was forked, or the function that asks is not called by all.
+            If another one begins something else, or this one cannot take part.
         """
-        if os.getpid() != self.own:
-            raise InputError(
-                f"a process that was forked is none of the {self.size} that share the systems made before: make its own"
-            )
-        if asking := errors.called_apart():
-            raise InputError(
-                f"{asking} is called by each process for what it has, or by the first alone, and cannot {what}: others "
-                "would wait for ever; ask them in a motion or a probe, which all call"
-            )
-        if self.is_inside:
-            return
+        self.refuse_apart(what)
         self.window.begin(what)
         own = np.frombuffer(sha256(what.encode()).digest(), dtype=np.int64)
         theirs = np.empty((self.size, len(own)), dtype=np.int64)
@@ -104,6 +94,18 @@ class World:
         if (theirs != own).any():
             self.refuse(what)
         self.noted = ""
+
+    def refuse_apart(self, what: str) -> None:
+        """Refuse what this one is to do with others, if it was forked, or does something by itself."""
+        if os.getpid() != self.own:
+            raise InputError(
+                f"a process that was forked is none of the {self.size} that share the systems made before: make its own"
+            )
+        if asking := errors.called_apart():
+            raise InputError(
+                f"{asking} cannot {what}: each process comes to that by itself, and may wait for ever for others that "
+                "do not; ask them in a motion or a probe, which all call together"
+            )
 
     def wait(self, arrived: Any, what: str) -> None:
         """Wait for the others, as long as they may come; one that waits for this one elsewhere never will."""
@@ -149,6 +151,17 @@ class World:
     def joint(self, what: str) -> Any:
         """The communicator, for what all do together now."""
         self.begin(what)
+        return self.going_on()
+
+    def within(self, what: str) -> Any:
+        """The same for the core, which does alike in all within what they have begun, and is not asked again."""
+        if not self.is_inside:
+            return self.joint(what)
+        self.refuse_apart(what)
+        return self.going_on()
+
+    def going_on(self) -> Any:
+        """The communicator, of which others may see that this one waits in it."""
         self.met = time.monotonic()
         self.window.go_on()
         return self.comm
@@ -205,7 +218,7 @@ class World:
 
         One that has failed ends all where others do not come here: they are left in what it has left.
         """
-        met, comm = self.met, self.joint("tell whether they could solve")
+        met, comm = self.met, self.within("tell whether they could solve")
         words = np.frombuffer(own.encode()[:LENGTH].ljust(LENGTH, b"\0"), dtype=np.uint8)
         theirs = np.empty((self.size, LENGTH), dtype=np.uint8)
         arrived = comm.Iallgather(words, theirs)
@@ -232,21 +245,29 @@ class Owners:
     """Who owns which unknowns of one system: of those that have an equation for it the first process."""
 
     def __init__(self, world: World) -> None:
-        self.world, self.sum, self.largest = world, world.sum, world.largest
+        self.world = world
 
     def own(self, unknowns: NDArray[np.int32], n: int) -> NDArray[np.int32]:
         """Mask (n,) of the unknowns of this process, from those that have equations here."""
         rank, size = self.world.rank, self.world.size
-        owner = owners(self.world.joint(f"number {n} unknowns"), unknowns, n)
+        owner = owners(self.world.within(f"number {n} unknowns"), unknowns, n)
         self.mine = np.flatnonzero(owner == rank)
         self.counts = np.bincount(owner, minlength=size + 1)[:-1]
         self.order = np.argsort(owner, kind="stable")[: self.counts.sum()]
         self.found = np.empty(len(self.order))
         return (owner == rank).astype(np.int32)
 
+    def sum(self, values: Array) -> None:
+        """Sum an array over the processes, in place."""
+        self.world.within(f"add up {len(values)} numbers").Allreduce(MPI.IN_PLACE, values)
+
+    def largest(self, value: float) -> float:
+        """The largest of their numbers."""
+        return float(self.world.within("find the largest of their numbers").allreduce(value, MPI.MAX))
+
     def share(self, values: Array) -> None:
         """Give all processes the values (n,) that the owners have."""
-        self.world.joint(f"share {len(values)} numbers").Allgatherv(
+        self.world.within(f"share {len(values)} numbers").Allgatherv(
             values[self.mine], (self.found, self.counts)
         )
         values[self.order] = self.found
@@ -262,7 +283,7 @@ class Owners:
         """
         raised = RAISED.fullmatch(words.strip())
         kind, text = (raised[1], raised[2] or "") if raised else ("", words.strip())
-        all_of_them = self.world.joint("tell why it failed").allgather((kind, text, number))
+        all_of_them = self.world.within("tell why it failed").allgather((kind, text, number))
         found = first_failed(all_of_them)
         if found[0] not in ("", kind):
             raise raised_elsewhere(*found[:2])

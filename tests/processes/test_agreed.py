@@ -137,7 +137,18 @@ def printed():
         vv.run(study, place / f"printed {world().size}", resume=until > 0.1, pictures=False, progress=False)
 
 
-for case in (shaken, driven, pressed, heated, stretched, recorded, stopped, asked, largest, printed, asking):
+def rounded():
+    return moved(lambda t: 0.1 * t * (1 + 2e-15 * world().rank))
+
+
+def rounded_by_place():
+    system = bar(motion=lambda t, X: 0.1 * np.sin(t) * (1 + 2e-15 * world().rank) + 0 * X)
+    vv.simulate(system, until=0.15, step=0.05)
+    return float(system.x.sum())
+
+
+begun = (asked, largest, printed, rounded, rounded_by_place)
+for case in (shaken, driven, pressed, heated, stretched, recorded, stopped, *begun, asking):
     kept.clear()
     try:
         told = f"went on to {case()}"
@@ -156,7 +167,7 @@ def test_functions_that_give_processes_other_values_are_refused(tmp_path: Path) 
     (tmp_path / "unlike.py").write_text(UNLIKE)
     one, two = (launched(n, str(tmp_path / "unlike.py"), str(tmp_path), limit=200) for n in (0, 2))
     assert one.returncode == two.returncode == 0, one.stderr + two.stderr
-    assert [line[:10] for line in one.stdout.splitlines()] == 11 * ["went on to"]
+    assert [line[:10] for line in one.stdout.splitlines()] == 13 * ["went on to"]
     beginnings = (
         "Prescribed 'end': what it prescribes at t = 0.05 is ",
         "Prescribed 'end': what it prescribes at t = 0.1 is 0.0479425538604203 in process 0, 0.0 in process 1. Every",
@@ -171,9 +182,11 @@ def test_functions_that_give_processes_other_values_are_refused(tmp_path: Path) 
         assert line.startswith(f"processes differ: {begins}"), line
         assert "give random numbers a seed" in line
     assert "is False in process 0, True in process 1." in told[6]
-    assert [line[:10] for line in told[len(beginnings) : -1]] == 3 * ["went on to"]
+    assert [line[:10] for line in told[len(beginnings) : -1]] == 5 * ["went on to"]
+    ends = [[float(line.split()[-1]) for line in lines[-3:-1]] for lines in (one.stdout.splitlines(), told)]
+    np.testing.assert_allclose(ends[1], ends[0], rtol=1e-10)
     assert told[-1].startswith(
-        "Force 'wind': its force is called by each process for what it has, or by the first"
+        "Force 'wind', its force: it cannot find the largest of their numbers: each process comes to that by itself"
     )
     for name, rows in (("largest", 3), ("printed", 5)):
         tables = [read_table(tmp_path / f"{name} {n}" / "probes.csv") for n in (1, 2)]

@@ -188,11 +188,23 @@ if kind == "observer":
 if kind == "within":
     for _ in range(4):
         again(one.step, 0.05)
+
+def fail(*given):
+    raise RuntimeError("only here")
+
+
+if kind == "core":
+    from visviva_petsc.world import Owners
+
+    one.step(0.05)
+    largest, Owners.largest = Owners.largest, fail if rank else Owners.largest
+    try:
+        one.step(0.05)
+    except Exception:
+        Owners.largest = largest
+    one.step(0.05)
 if kind == "solver":
     from visviva_petsc.solver import Solver
-
-    def fail(*given):
-        raise RuntimeError("only here")
 
     one.step(0.05)
     solve, Solver.solve = Solver.solve, fail if rank else Solver.solve
@@ -238,7 +250,8 @@ if kind == "healthy":
 """
 PARTED = {
     "observer": r"process 0 is to take a step of system 0 .*, process 1 to march system 1 \(after LookupError: seen h",
-    "within": r"process 1 of 2 is to take a step .* \(after \w+: .*only here.*\), and process 0 waits for it",
+    "within": r"process 0 is to compare values \(Prescribed 'p.*, process 1 to take a step .* \(after \w+: .*only here",
+    "core": r"process 1 of 2 is to take a step .* \(after RuntimeError: only here\), and process 0 waits for it",
     "solver": r"process 1 of 2 could not solve with the others: RuntimeError: only here\n",
     "one composes": r"process 0 is to compose a system, process 1 to march system 0\. Each runs the whole script",
     "one begins anew": r"process 0 is to march system 0, process 1 to compose a system\. Each",
@@ -249,7 +262,7 @@ PARTED = {
     "other files": r"process 0 is to write part0\.csv, process 1 to write part1\.csv\. Each",
     "other directories": r"process 0 is to write part0, process 1 to write part1\. Each",
     "one draws": r"process 0 is to march system 0, process 1 to draw alone\.png\. Each",
-    "edit": r"Solid 'block': rates of position \(unknowns from 0 on\) is array",
+    "edit": r"Solid 'block': rates of position \(unknowns from 0 on\) is ",
     "edit, then a step": r"process 1 to take a step of system 0 from t = 0\.2.* whose state is none of a step: array",
     "observed edit": r"process 1 to take a step of system 0 from t = 0\.1.* whose state is none of a step: array",
 }

@@ -311,8 +311,8 @@ class System {
         }
         return nullptr;
     }
-    // What functions from outside evaluate, processes may evaluate together: they come to it after failures,
-    // too.
+    // Processes go on after failures, which others need not have: terms that all of them evaluate remember
+    // the same then.
     template <class F>
     std::exception_ptr for_each_term(F&& f) {
         std::exception_ptr first;

@@ -163,7 +163,7 @@ def prepare(system: System, scheme: Scheme, *, project: bool = False) -> None:
     refuse_no_system("march", system)
     refuse_other("march", "scheme", scheme, Scheme, "a scheme such as vv.EnergyMomentum()")
     refuse_changed(system)
-    agreement.refuse_different_edits(system)
+    agreement.agree_on_edits(system)
     due = {"inertia": scheme.has_inertia, "discrete_gradient": scheme.discrete_gradient}
     changes = due != {"inertia": system.has_inertia, "discrete_gradient": system.has_discrete_gradient}
     scheme.refuse(system)

@@ -80,24 +80,28 @@ _apart: list[str] = []
 
 
 def called_apart() -> str:
-    """Which function of the user is being called that not all processes call as often; nothing if none is."""
-    return _apart[-1] if _apart else ""
+    """What is being done that processes come to each by itself, and none has to come to; nothing if all do the same."""
+    if _apart:
+        return _apart[-1]
+    from visviva import _core  # here, so that the command line can tell of an unknown instruction set
+
+    caller = _core.caller()
+    return f"{caller}: a function in its equations" if caller else ""
 
 
 @contextmanager
 def apart(what: str) -> Iterator[None]:
-    """`named`, for a function that each process calls for what it has, or the first alone.
+    """Inside, this process does something by itself, and cannot ask others, as may be in any function of the core.
 
     Examples
     --------
-    >>> with apart("Force 'pull': its force"):
+    >>> with apart("writing a file"):
     ...     called_apart()
-    "Force 'pull': its force"
+    'writing a file'
     """
     _apart.append(what)
     try:
-        with named(what):
-            yield
+        yield
     finally:
         _apart.pop()
 

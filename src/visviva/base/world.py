@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base import processes
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, apart
 from visviva.base.threads import crowds, here
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class World(Protocol):
     def doing(self, what: str) -> AbstractContextManager[None]:
         """Inside, all do what these words say; who goes on with something else is refused.
 
-        What one calls alone outside is seen as well, and nobody waits for it for ever.
+        What one calls alone is seen as well, inside or outside, and nobody waits for it for ever.
         """
 
     def note(self, error: BaseException) -> None:
@@ -154,7 +154,8 @@ def by_first(to: str, do: Callable[[], T]) -> T:
     with world().doing(to):
         if world().rank == 0:
             try:
-                found = do()
+                with apart(f"the first process, which is alone to {to},"):
+                    found = do()
             except Exception as failure:  # whatever it is, others wait for it
                 error = failure
         found, error = world().first((found, error))

@@ -120,9 +120,7 @@ class VelocityBoundary(FluidBoundary):
         self._moved = np.array(moved[:d])
         if not self._moved.any():
             raise InputError(f"{self.label}: it prescribes no component of the velocity")
-        self._function = (
-            guarded(self.label, "velocity", self.velocity, by_all=True) if callable(self.velocity) else None
-        )
+        self._function = guarded(self.label, "velocity", self.velocity) if callable(self.velocity) else None
         try:
             start = self._at_nodes(0.0)
         except RunError as error:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.errors import InputError, RunError, apart
+from visviva.base.errors import InputError, RunError, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import settings
 from visviva.component.values import VectorOrFunction
@@ -121,7 +121,7 @@ class Outlet(Open):
     def traction_at(self, time: float, p: FlowFaces) -> Array:
         outward = p.normal / np.linalg.norm(p.normal, axis=2, keepdims=True)
         found = np.zeros(p.X.shape)
-        with apart(f"{self.label}: its pressure"):
+        with named(f"{self.label}: its pressure"):
             found[:, :, : self.fluid.dimension] = -self.pressure(time) * outward
         return found
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from visviva.base.errors import InputError, RunError, apart, named
+from visviva.base.errors import InputError, RunError, named
 from visviva.base.timefunction import OfTime
 from visviva.component.component import Component, settings
 from visviva.component.momentum import Axes, axes_along, by_forces
@@ -140,12 +140,11 @@ def add_user_force(
     model.act(owner, kind, of, Law(LawKind.RATE_CALLBACK, callback=rate_callback(stress, n, label, sizes)))
 
 
-def guarded(label: str, what: str, function: Callable[..., Any], by_all: bool = False) -> Callable[..., Any]:
-    """The user's function, called alike by all processes or not; what it raises becomes an error of the component."""
-    within = named if by_all else apart
+def guarded(label: str, what: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """The user's function; what it raises becomes an error of the component."""
 
     def call(*arguments: Any) -> Any:
-        with within(f"{label}: its {what}"):
+        with named(f"{label}: its {what}"):
             return function(*arguments)
 
     return call

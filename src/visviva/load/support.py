@@ -264,9 +264,7 @@ class Prescribed(Support):
         moved = (True,) * 3 if callable(self.motion) else tuple(f is not None for f in self.motion)
         self._moved = np.logical_and(moved, self.directions)
         self._refuse_nothing(self._moved)
-        self._function = (
-            guarded(self.label, "motion", self.motion, by_all=True) if callable(self.motion) else None
-        )
+        self._function = guarded(self.label, "motion", self.motion) if callable(self.motion) else None
         try:
             start = self._displacements(0.0)
         except RunError as error:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite, RunError, apart
+from visviva.base.errors import NotFinite, RunError, apart, named
 
 Array = NDArray[np.float64]
 LawCallback = Callable[..., None]
@@ -70,7 +70,8 @@ class Function:
     def raw(self, e: Any) -> NDArray[Any]:
         """The function's values (m, n), shape checked."""
         n = e.shape[1]
-        with apart(f"{self.label}: it"):
+        # also called for shown fields, by each process for its own elements
+        with apart(f"{self.label}: it"), named(f"{self.label}: it"):
             f = np.asarray(self.function(e))
         if f.shape not in ((self.m, n), (n,) if self.m == 1 else (self.m, n)):
             expected = f"({n},)" if self.m == 1 else f"({self.m}, {n})"

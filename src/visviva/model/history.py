@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite, RunError, apart
+from visviva.base.errors import NotFinite, RunError, named
 from visviva.model.callback import Function, LawCallback
 
 Array = NDArray[np.float64]
@@ -45,7 +45,7 @@ class Evolving(Function):
         """Internal variables (n_h, n) at the end of a step, checked; where no time passes they stay."""
         if not h > 0:
             return h0.copy()
-        with apart(f"{self.label}: its update"):
+        with named(f"{self.label}: its update"):
             found = np.asarray(self.update(e0.copy(), e1.copy(), h0.copy(), h), dtype=float)
         if found.shape != h0.shape:
             raise RunError(f"{self.label}: its update returned shape {found.shape}, expected {h0.shape}")

@@ -18,7 +18,7 @@ from visviva.component.component import Component
 
 if TYPE_CHECKING:
     from visviva.model.driving import Driving
-    from visviva.model.field import Field, Prescription
+    from visviva.model.field import Field
     from visviva.system.newton import Newton
     from visviva.system.system import System
 
@@ -32,6 +32,11 @@ CALLED = (
     "Every process calls it, and has to get the same: give random numbers a seed, and use nothing that other functions "
     "have noted, which not all processes call as often; or ask all of them, by world().first(number) or "
     "world().largest(number) of visviva.base.world"
+)
+
+SAME = (
+    "Each runs the whole script, and has to make the same of it: give random numbers a seed, take components from "
+    "lists rather than sets, let nothing depend on the process, and start one version of visviva and of the script"
 )
 
 
@@ -98,23 +103,43 @@ def refuse_different_newton(newton: Newton) -> None:
         compare({"Newton": told("", arguments_of(newton), {}, [])}, "choose options of Newton's method")
 
 
-def refuse_different_states(fields: Sequence[Field], x: Array, v: Array) -> None:
-    """Refuse unknowns (n,) and rates (n,) of which another process has others; random ones have no seed."""
-    if world().size == 1:
+def agree_on_states(fields: Sequence[Field], x: Array, v: Array) -> None:
+    """Give all processes the unknowns (n,) and rates (n,) of the first, which theirs are but for rounding.
+
+    Raises
+    ------
+    InputError
+        With the first field that another process has otherwise; random values have no seed.
+    """
+    if world().size == 1 or not fields:
         return
     texts: Arguments = {}
     for f in fields:
-        part, of = slice(f.start, f.start + f.size), f"{f.name} (unknowns from {f.start} on)"
-        values = {f"state of {of}": x[part], f"rates of {of}": v[part], f"what is held of {of}": f.fixed}
-        texts.setdefault(f.component.label, {}).update(told("", values, {}, []))
+        held = told("", {f"what is held of {place_of(f)}": f.fixed}, {}, [])
+        texts.setdefault(f.component.label, {}).update(held)
     compare(texts, "begin with a state")
+    parts, owners = [slice(f.start, f.start + f.size) for f in fields], [f.component.label for f in fields]
+    # rates may be differences of functions over unknown times: they are rounded as these are in a unit of time
+    sizes = [max(largest_of(f.scale), largest_of(x[part])) for f, part in zip(fields, parts, strict=True)]
+    for kind, of_all in {"state": x, "rates": v}.items():
+        names = [f"{kind} of {place_of(f)}" for f in fields]
+        found = agreed(names, owners, [of_all[part] for part in parts], sizes, SAME)
+        for part, values in zip(parts, found, strict=True):
+            of_all[part] = values
 
 
-def refuse_different_starts(fields: Sequence[Field]) -> None:
-    """Refuse states that others begin with otherwise."""
-    if world().size > 1:
+def place_of(field: Field) -> str:
+    """Which unknowns a field has, in words."""
+    return f"{field.name} (unknowns from {field.start} on)"
+
+
+def agree_on_starts(fields: Sequence[Field]) -> None:
+    """The same of what fields begin with."""
+    if world().size > 1 and fields:
         x, v = (np.concatenate([getattr(f, name) for f in fields]) for name in ("values", "rates"))
-        refuse_different_states(fields, x, v)
+        agree_on_states(fields, x, v)
+        for f in fields:
+            f.values[:], f.rates[:] = x[f.unknowns], v[f.unknowns]
 
 
 def refuse_different_arguments(of: str, **arguments: Any) -> None:
@@ -123,16 +148,31 @@ def refuse_different_arguments(of: str, **arguments: Any) -> None:
         compare({of: told("", arguments, {}, [])}, of)
 
 
-def refuse_different_edits(system: System) -> None:
-    """Refuse a state, should it not be that of a step in one of the processes, of which another has others."""
+def agree_on_edits(system: System) -> None:
+    """The same of a state, should it not be that of a step in one of the processes."""
     if world().size > 1:
         with world().doing(f"march system {system.composition.number}"):
             if world().largest(system.report is None or is_edited(system)):
-                refuse_different_states(system.model.fields, system.x, system.v)
+                agree_on_states(system.model.fields, system.x, system.v)
 
 
-def agreed(what: str, owners: Sequence[str], values: Sequence[Array]) -> Sequence[Array]:
+def agreed(
+    what: str | Sequence[str],
+    owners: Sequence[str],
+    values: Sequence[Array],
+    sizes: Sequence[float] = (),
+    cure: str = CALLED,
+) -> Sequence[Array]:
     """What functions of these owners gave in every process, as the first has it: the same but for rounding.
+
+    Parameters
+    ----------
+    what : str, or list of str
+        In words, of each of them if there are several.
+    sizes : list of float
+        What changes in each of them are small against, should the values be small themselves.
+    cure : str
+        What to do, should they differ.
 
     Raises
     ------
@@ -141,20 +181,51 @@ def agreed(what: str, owners: Sequence[str], values: Sequence[Array]) -> Sequenc
     """
     if world().size == 1 or not owners:
         return values
-    with world().doing(f"compare {what}"):
+    sizes, names = sizes or [0.0] * len(values), [what] * len(values) if isinstance(what, str) else what
+    whose = dict.fromkeys(f"{owner}: {name}" for owner, name in zip(owners, names, strict=True))
+    with world().doing(f"compare values ({', '.join([*whose][:3])}{', ...' if len(whose) > 3 else ''})"):
         firsts: Sequence[Array] = world().first(values)
-        differ = [k for k, pair in enumerate(zip(values, firsts, strict=True)) if not is_alike(*pair)]
+        pairs = enumerate(zip(values, firsts, sizes, strict=True))
+        differ = [k for k, pair in pairs if not is_alike(*pair)]
         if not world().largest(len(differ)):
             return firsts
         k = min(k for those in world().together(differ) for k in those)
         first, *others = world().together(values[k])
-    raise InputError(f"processes differ: {owners[k]}: {what} is {first_unlike(first, others)}. {CALLED}")
+    raise InputError(
+        f"processes differ: {owners[k]}: {names[k]} is {first_unlike(first, others, sizes[k])}. {cure}"
+    )
 
 
-def agreed_motions(prescribed: Sequence[Prescription], time: float) -> Sequence[Array]:
+def agreed_motions(system: System, time: float) -> Sequence[Array]:
     """Values of what is prescribed, as the first process has them."""
-    owners, values = [p.component.label for p in prescribed], [p.values(time) for p in prescribed]
-    return agreed(f"what it prescribes at t = {time:g}", owners, values)
+    moved = system.model.driving.prescribed
+    return of_prescribed(system, f"what it prescribes at t = {time:g}", [p.values(time) for p in moved])
+
+
+def agreed_rates(system: System) -> Sequence[Array]:
+    """Rates of what is prescribed just after the present time, as the first process has them."""
+    time, step = system.time, system.clock.step
+    rates = [p.rates(time, step) for p in system.model.driving.prescribed]
+    return of_prescribed(system, f"the rate of what it prescribes at t = {time:g}", rates, 1 / (step or 1))
+
+
+def agreed_accelerations(system: System) -> Sequence[Array]:
+    """The same of its second derivatives."""
+    time, step = system.time, system.clock.step
+    second = [p.acceleration(time, step) for p in system.model.driving.prescribed]
+    what = f"the second rate of what it prescribes at t = {time:g}"
+    return of_prescribed(system, what, second, 1 / (step or 1) ** 2)
+
+
+def of_prescribed(system: System, what: str, values: Sequence[Array], rate: float = 1.0) -> Sequence[Array]:
+    """What is prescribed, or its rates, as the first process has it: rounded as changes at some `rate` are."""
+    if world().size == 1:
+        return values
+    moved = system.model.driving.prescribed
+    sizes = [
+        rate * max(largest_of(system.scale[p.unknowns]), largest_of(system.x[p.unknowns])) for p in moved
+    ]
+    return agreed(what, [p.component.label for p in moved], values, sizes)
 
 
 def agreed_signals(driving: Driving, step: Any, length: float) -> Array:
@@ -166,23 +237,39 @@ def agreed_signals(driving: Driving, step: Any, length: float) -> Array:
     return np.ascontiguousarray(np.transpose(found))
 
 
-def is_alike(own: Array, other: Array) -> bool:
-    """Whether values are the same but for rounding."""
-    return own.shape == other.shape and not unlike(own, other).any()
+def agreed_curvatures(system: System) -> Array:
+    """Second derivatives of functions of time at present, see `Driving.curvatures`, as the first process has them."""
+    driving, time, step = system.model.driving, system.time, system.clock.step
+    values = driving.curvatures(time, step)
+    if world().size == 1:
+        return values
+    sizes = [abs(f(time)) / (step or 1) ** 2 for f in driving.signals]
+    what = f"the second rate of its function of time at t = {time:g}"
+    return np.ravel(agreed(what, driving.owners, [*values.reshape(-1, 1)], sizes))
 
 
-def unlike(own: Array, other: Array) -> NDArray[np.bool_]:
+def is_alike(own: Array, other: Array, size: float = 0.0) -> bool:
+    """Whether values are the same but for rounding, of what is of some size."""
+    return own.shape == other.shape and not unlike(own, other, size).any()
+
+
+def unlike(own: Array, other: Array, size: float) -> NDArray[np.bool_]:
     """Which values are not the same."""
-    size = np.abs(other[np.isfinite(other)]).max(initial=0.0)
+    size = max(size, largest_of(other[np.isfinite(other)]))
     return ~np.isclose(own, other, rtol=0.0, atol=ALIKE * size, equal_nan=True)
 
 
-def first_unlike(first: Array, others: Sequence[Array]) -> str:
+def largest_of(values: Array) -> float:
+    """Largest magnitude among values, 0 without any."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def first_unlike(first: Array, others: Sequence[Array], size: float) -> str:
     """The first value that another process has otherwise, in words."""
-    k, other = next((k, other) for k, other in enumerate(others, 1) if not is_alike(other, first))
+    k, other = next((k, other) for k, other in enumerate(others, 1) if not is_alike(other, first, size))
     if other.shape != first.shape:
         return f"of shape {first.shape} in process 0, {other.shape} in process {k}"
-    at = np.argmax(unlike(other, first))
+    at = np.argmax(unlike(other, first, size))
     return f"{first.flat[at]!s} in process 0, {other.flat[at]!s} in process {k}"
 
 
@@ -228,11 +315,7 @@ def compare(texts: Arguments, to: str, within: Callable[[], Arguments] = dict) -
         inner = within()
         first, *others = world().together({k: inner.get(k, {}) | given for k, given in texts.items()})
     k, other = next((k, other) for k, other in enumerate(others, 1) if repr(other) != repr(first))
-    raise InputError(
-        f"processes differ: {difference(first, other, k)}. Each runs the whole script, and has to make the same of it: "
-        "give random numbers a seed, take components from lists rather than sets, let nothing depend on the process, "
-        "and start one version of visviva and of the script"
-    )
+    raise InputError(f"processes differ: {difference(first, other, k)}. {SAME}")
 
 
 def difference(first: Arguments, other: Arguments, k: int) -> str:

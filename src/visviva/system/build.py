@@ -18,7 +18,7 @@ from visviva.component.component import Component
 from visviva.component.within import within
 from visviva.model.field import Role, supply_of
 from visviva.model.stencil import inertia_terms, strain_terms
-from visviva.system.agreement import refuse_different_starts
+from visviva.system.agreement import agree_on_starts
 
 if TYPE_CHECKING:
     from visviva.model.driving import Driving
@@ -31,7 +31,7 @@ Ints = NDArray[np.int32]
 def build_core(system: System) -> _core.System:
     """The core with its terms and the numbers of the unknowns, ready for a linear solver."""
     model = system.model
-    refuse_different_starts(model.fields)
+    agree_on_starts(model.fields)
     order = np.concatenate([np.full(f.size, f.order, dtype=np.int32) for f in model.fields])
     fixed = np.concatenate([f.fixed for f in model.fields]).astype(np.int32)
     flows = np.concatenate([np.full(f.size, f.role is Role.VELOCITY, dtype=np.int32) for f in model.fields])

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from visviva import _core
 from visviva.base.differences import central_rate
 from visviva.base.errors import InputError
+from visviva.system.agreement import agreed_accelerations, agreed_curvatures, agreed_rates
 from visviva.system.memory import returning
 from visviva.system.scaling import by_weight, equilibration
 
@@ -168,7 +169,7 @@ class Instant:
         return r
 
     def _signal_curvatures(self) -> Array:
-        return self.system.model.driving.curvatures(self.system.time, self.system.clock.step)
+        return agreed_curvatures(self.system)
 
     def _by_signals(self, rate: Array) -> Array:
         h = self.moment
@@ -251,12 +252,11 @@ class Instant:
 
     def prescribed_acceleration(self) -> Array:
         """Accelerations of the prescribed unknowns, or rates of those of order 1 such as velocities; zero elsewhere."""
-        time, step = self.system.time, self.system.clock.step
-        bend, slope = (
-            self.prescribed(lambda p: p.acceleration(time, step)),
-            self.prescribed(lambda p: p.rates(time, step)),
-        )
-        return np.where(self.system.order == 1, slope, bend)
+        system, a = self.system, np.zeros(len(self.system.x))
+        found = agreed_accelerations(system), agreed_rates(system)
+        for p, second, rates in zip(system.model.driving.prescribed, *found, strict=True):
+            a[p.unknowns] = np.where(system.order[p.unknowns] == 1, rates, second)
+        return a
 
     def prescribed_inertia(self) -> Array:
         """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""

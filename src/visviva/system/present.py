@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.system.agreement import agreed_curvatures, agreed_rates
 from visviva.system.consistency import accelerations
 from visviva.system.instant import NO_STEP, Instant, difference, instant
 from visviva.system.memory import undisturbed
@@ -76,8 +77,8 @@ def by_the_equations(system: System) -> Found:
     """For systems of any kind."""
     at = Instant(system)
     at.factor()
-    for p in system.model.driving.prescribed:
-        system.v[p.unknowns] = p.rates(system.time, system.clock.step)
+    for p, rates in zip(system.model.driving.prescribed, agreed_rates(system), strict=True):
+        system.v[p.unknowns] = rates
     if len(at.multipliers):
         v = system.v[at.coordinates]
         system.v[at.coordinates] += at.solve(np.zeros(len(v)), -(at.G @ v + at.drift()))[0]
@@ -178,8 +179,7 @@ class Motion:
         self._signals = system.signals(self._step).copy()
         self._rates = np.zeros((2, self._signals.shape[1]))
         if system.model.driving.signals:
-            curvatures = system.model.driving.curvatures(system.time, system.clock.step)
-            self._rates[:] = self._signals[3], curvatures
+            self._rates[:] = self._signals[3], agreed_curvatures(system)
 
     def _values(self, s: float) -> Array:
         signals = self._signals.copy()

@@ -391,15 +391,15 @@ class System(metaclass=Named):
     def prescribe(self, step: Any) -> None:
         """Put the increments of prescribed unknowns into the core's ``dx``, which keeps them while it solves."""
         moved = self.model.driving.prescribed
-        for p, values in zip(moved, agreement.agreed_motions(moved, step.t1), strict=True):
+        for p, values in zip(moved, agreement.agreed_motions(self, step.t1), strict=True):
             if not np.isfinite(values).all():
                 raise RunError(f"{p.component.label}: its motion is not finite at t = {step.t1:g}")
             self.core.dx[p.unknowns] = values - self.x[p.unknowns]
 
     def follow_prescribed(self) -> None:
         """Give prescribed unknowns the rates that they have from the present time on."""
-        for p in self.model.driving.prescribed:
-            self.v[p.unknowns] = p.rates(self.time, self.clock.step)
+        for p, rates in zip(self.model.driving.prescribed, agreement.agreed_rates(self), strict=True):
+            self.v[p.unknowns] = rates
         self.invalidate()
 
     def projects(self, scheme: Scheme) -> bool:

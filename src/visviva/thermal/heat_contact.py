@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.errors import InputError, RunError, apart
+from visviva.base.errors import InputError, RunError, named
 from visviva.component.announcements import Conducting
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
@@ -129,7 +129,7 @@ class HeatContact(Component):
         given = self.conductance
         if isinstance(given, np.ndarray):
             return np.asarray(np.interp(pressure, given[:, 0], given[:, 1]))
-        with apart(f"{self.label}: its conductance"):
+        with named(f"{self.label}: its conductance"):
             found = np.asarray(given(pressure) if callable(given) else given, dtype=float)
         if found.shape not in ((), pressure.shape) or not np.isfinite(found).all():
             raise RunError(
