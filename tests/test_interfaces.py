@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.interpolate import PchipInterpolator, interp1d
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import entr
 
 import visviva as vv
 from visviva.phase.interface import interface
@@ -466,3 +468,73 @@ def test_a_pole_where_values_end_hides_no_phases(start: float) -> None:
     assert slopes[0] == pytest.approx(slopes[1], rel=1e-9)
     assert values[1] - values[0] == pytest.approx(slopes[0] * (pair[1] - pair[0]), rel=1e-9)
     assert pair == pytest.approx([0.0244, 0.2988], abs=1e-4)
+
+
+def apart(x: Any, low: float = 0.1, high: float = 0.9) -> Any:
+    """Two level wells."""
+    return (x - low) ** 2 * (high - x) ** 2
+
+
+def mixed(x: Any) -> Any:
+    return x * np.log(x) + (1 - x) * np.log(1 - x) + 3 * x * (1 - x)
+
+
+KNOTS = np.linspace(0, 1, 201)
+BINODAL = brentq(lambda x: np.log(x / (1 - x)) + 3 * (1 - 2 * x), 0.01, 0.2)
+TABLE = PchipInterpolator(KNOTS, -entr(KNOTS) - entr(1 - KNOTS) + 3 * KNOTS * (1 - KNOTS), extrapolate=False)
+EXTRAPOLATED = interp1d(np.linspace(-0.3, 1.3, 1601), apart(np.linspace(-0.3, 1.3, 1601)))
+SEPARATING: dict[str, tuple[Any, float, float]] = {
+    "logarithms": (mixed, BINODAL, 1e-9),
+    "odd": (lambda x: apart(x) * (1.5 - x), 0.1, 1e-9),
+    "odd at once": (lambda x: apart(x) * (1.1 - x), 0.1, 1e-9),
+    "falling on both sides": (lambda x: apart(x) * (1.02 - x) * (x + 0.02), 0.1, 1e-9),
+    "falling steeply": (lambda x: apart(x) - np.exp(400 * (x - 1)) - np.exp(-400 * x), 0.1, 1e-4),
+    "odd poles beyond": (lambda x: apart(x) + 1e-5 / (0.95 - x) + 1e-5 / (x - 0.05), 0.1, 0.02),
+    "even poles beyond": (lambda x: apart(x) + 1e-7 / (0.95 - x) ** 2 + 1e-7 / (x - 0.05) ** 2, 0.1, 0.02),
+    "penalties": (lambda x: apart(x) + np.where((x.real < 0) | (x.real > 1), 1e6, 0.0), 0.1, 1e-6),
+    "rippled table": (lambda x: TABLE(x.real), BINODAL, 0.02),
+    "table with ends": (lambda x: EXTRAPOLATED(x.real), 0.1, 2e-3),
+    "single precision": (
+        lambda x: (1 + 16 * apart(x.real)).astype(np.float32).astype(float),
+        0.1,
+        2e-3,
+    ),
+    "noise": (lambda x: apart(x) + 1e-9 * np.modf(1e3 * np.sin(1e7 * x.real))[0], 0.1, 5e-3),
+    "lifted": (lambda x: 1e5 - 3e4 * x + 1e3 * apart(x), 0.1, 1e-6),
+    "deeper far away": (lambda x: apart(x) - 5 * np.exp(-(((x - 3) / 0.3) ** 2)), 0.1, 1e-6),
+}
+"""Energies of what is between 0 and 1, the lower of phases that lie alike about a half, and how near these are told."""
+
+
+@pytest.mark.parametrize("unit", [1e-14, 1.0, 3e4, 1e9])
+@pytest.mark.parametrize("name", SEPARATING)
+def test_phases_of_functions_are_found_in_any_unit_from_any_start(name: str, unit: float) -> None:
+    function, low, near = SEPARATING[name]
+    energy = vv.UserFreeEnergy(function=lambda c: function(c / unit))
+    if name == "odd poles beyond" or name == "even poles beyond":
+        low = minimize_scalar(
+            lambda x: function(np.array(x)), bounds=(0.051, 0.3), options={"xatol": 1e-12}
+        ).x
+    x = np.linspace(low, 1 - low, 4001)
+    rise = function(x) - np.interp(x, x[[0, -1]], function(x[[0, -1]]))
+    width = (1 - 2 * low) / np.sqrt(2 * rise.max())
+    for start in ((low, low), (0.93, 0.93), (0.5, 0.5), (0.3, 0.3 + 1e-6), (0.2, 0.4), (0.11, 0.89)):
+        found = interface(energy, 1.0, (start[0] * unit, start[1] * unit))
+        assert found is not None
+        assert (found.low / unit, found.high / unit) == pytest.approx((low, 1 - low), abs=near)
+        assert found.width / unit == pytest.approx(width, rel=0.01)
+
+
+@pytest.mark.parametrize("start", [0.1, 0.9])
+def test_thin_interfaces_of_an_electrode_are_refused_from_one_phase(start: float) -> None:
+    """In mol/m3, by a polynomial that falls beyond: none were found, and .0834 came out for an energy of .1788."""
+    most = 3e4
+    with pytest.raises(
+        vv.InputError, match=r"an interface is 0\.35 wide, .*: less than two cells resolve it"
+    ):
+        vv.CahnHilliard(
+            mesh=vv.RectangleMesh(size=(24, 4), counts=(48, 8)),
+            free_energy=vv.UserFreeEnergy(function=lambda c: apart(c / most) * (1.5 - c / most)),
+            gradient_energy=0.01 / most**2,
+            concentration=lambda X: most * (start + 1e-6 * np.cos(X[:, 0])),
+        )

@@ -15,23 +15,28 @@ from visviva.phase.free_energy import DoubleWell, FreeEnergy, UserFreeEnergy
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
-SAMPLES = 4001
+SAMPLES = 1001
 """Compositions at which an energy is looked at."""
-COARSE = 100
-"""Of these between which an energy bends, so that rounding and corners of tables do not."""
+STRIDE = 8
+"""Of these between which it bends, so that rounding and corners of tables do not."""
+FEW = 101
+"""Compositions that tell whether it has values."""
+FINE = 4001
+"""Those between phases by which their tension is summed."""
+NEAREST, FARTHEST = 1e-6, 1e20
+"""Sizes of a start at which looking for the phases of a function begins and ends."""
+HALVED = 40
+"""Times that a way is halved to where values end."""
+RETREATS = 0.0, 1e-6, 1e-3
+"""Parts of that way by which poles are kept away from, as little as will do."""
+HUGE = 1e100
+"""Values that count as none."""
 SLIGHT = 0.01
 """Part of the largest bend that is none."""
-FINE = 1000
-"""Of these between the phases, at least."""
-NEAR = 200
-"""Of these to a bound: what ends so near to it may go on beyond, where values are rounded."""
-WIDER = (1.0, 25), (0.1, 30)
-"""By which part of itself that grows in which phases are looked for, and how often, unless they lie inside: by little
-where energies fall beyond what they are meant for."""
-AS_IT_IS = ((1.0, 1),)
-"""Where one such part went on and on others do as well, unless phases lie inside."""
-HALVED = 12
-"""Times that what it grows by is halved, where an energy has no values."""
+SUDDEN = 10
+"""Times that poles bend more than what is beside them, at least."""
+DWARFED = 20
+"""Times that phases are farther apart than ripples of tables, at least, and its square that they rise higher."""
 BESIDE = 10
 """Widths beside phases where others are looked for."""
 LEVEL = 1e-6
@@ -73,8 +78,8 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     """The interface of an energy with a gradient energy; None if nothing separates.
 
     Of several pairs of phases it is that which the start lies in most. Energies of logarithms, double wells, and other
-    polynomials that are bounded below tell all that they have; of others they are looked for about `start`, the least
-    and largest value at the start, and from 0 to 1, then farther away, as far as they have values.
+    polynomials that are bounded below tell all that they have; of others it is the nearest to `start`, the least and
+    largest value at the start. What falls for ever beyond phases, as polynomials of odd degree do, does not count.
 
     Examples
     --------
@@ -86,7 +91,7 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
     if found is None:
         return None
     pair, alone = found
-    c = np.linspace(*pair, SAMPLES)
+    c = np.linspace(*pair, FINE)
     f = energy.values(c)
     df = above(c, f)
     tension = float(np.trapezoid(np.sqrt(2 * gradient * np.maximum(df, 0.0)), c))
@@ -96,7 +101,7 @@ def interface(energy: FreeEnergy, gradient: float, start: Pair) -> Interface | N
 
 def is_parted(df: Array) -> bool:
     """Whether what is above a common tangent bends up between where it bends down, so that more phases may last."""
-    bend = np.diff(df[:: SAMPLES // COARSE], 2)
+    bend = np.diff(df[:: FINE // FEW], 2)
     least = SLIGHT * -float(bend.min())
     down = np.flatnonzero(bend < -least)
     return bool(np.any(bend[down[0] : down[-1]] > least))
@@ -114,21 +119,57 @@ def unclear(found: Interface, is_conserved: bool) -> str:
 def shared(pair: Pair, start: Pair) -> float:
     """Which part of the way between phases a start has; less than 0 for one that is beside them."""
     least, most = max(pair[0], start[0]), min(pair[1], start[1])
-    return (most - least) / (pair[1] - pair[0])
+    return round((most - least) / (pair[1] - pair[0]), 2)
 
 
 def phases(energy: FreeEnergy, start: Pair) -> tuple[Pair, bool] | None:
     """The phases of an energy that a start lies in most, and whether it has no others."""
     if isinstance(energy, DoubleWell):
         return (energy.low, energy.high), True
-    ways: tuple[tuple[float, int], ...] = WIDER
-    for low, high in bounds(energy) or windows(energy, start):
-        if told(energy, low, high)[1]:
-            found = (widened(energy, low, high, start, part, most) for part, most in ways)
-            if pair := next(filter(None, found), None):
-                return pair, is_alone(energy, pair, low, high)
-            ways = AS_IT_IS
-    return None
+    found = (separated(energy, look, start) for look in known(energy) or windows(energy, start))
+    pair = next(filter(None, found), None)
+    if pair and isinstance(energy, UserFreeEnergy):
+        pair = without_ripples(energy, pair, start)
+    return pair and (pair, is_alone(energy, pair))
+
+
+def without_ripples(energy: FreeEnergy, pair: Pair, start: Pair) -> Pair:
+    """The phases that a table means by values between which it has others."""
+    for look in (look for k in (2, 3) for look in beside(energy, pair, DWARFED**k)):
+        other = separated(energy, look, start)
+        if other and other[1] - other[0] > DWARFED * (pair[1] - pair[0]):
+            small, large = (above(c, energy.values(c)).max() for c in map(between, (pair, other)))
+            if large > DWARFED**2 * small:
+                return other
+    return pair
+
+
+@dataclass(frozen=True)
+class Look:
+    """Values of an energy at compositions, and whether it has none below the first and above the last."""
+
+    c: Array
+    f: Array
+    closed: tuple[bool, bool]
+
+    def part(self, first: int, last: int) -> Look:
+        """From one sample to another."""
+        closed = self.closed[0] and first == 0, self.closed[1] and last == len(self.c) - 1
+        return Look(self.c[first : last + 1], self.f[first : last + 1], closed)
+
+    def pair(self, gap: tuple[int, int]) -> Pair:
+        """Compositions at both ends of a gap."""
+        return float(self.c[gap[0]]), float(self.c[gap[1]])
+
+    def is_inside(self, gap: tuple[int, int]) -> bool:
+        """Whether a gap does not go on beyond."""
+        return (gap[0] > 0 or self.closed[0]) and (gap[1] < len(self.c) - 1 or self.closed[1])
+
+
+def known(energy: FreeEnergy) -> list[Look]:
+    """All that an energy has; nothing where it does not tell."""
+    looks = [look_at(energy, ends, (energy.has_domain,) * 2, FINE) for ends in bounds(energy)]
+    return [look for look in looks if look is not None]
 
 
 def bounds(energy: FreeEnergy) -> list[Pair]:
@@ -142,19 +183,22 @@ def bounds(energy: FreeEnergy) -> list[Pair]:
     return [(2 * low - high, 2 * high - low)]
 
 
-def windows(energy: FreeEnergy, start: Pair) -> Iterator[Pair]:
-    """Where the phases of a function of the user may be, as far as it has values: the likeliest first."""
-    least, most = start
-    size = max(abs(least), abs(most))
-    near = [0.1 * (most - least), *(size * 10.0**k for k in (-4, -2, 0))] if size else [1e-2]
-    far = (
-        (size * 10.0**k for k in (2, 4))
-        if size
-        else (10.0**k for k in (*range(-4, -22, -2), *range(2, 10, 2)))
-    )
-    about = [(least - way, most + way) for way in near]
-    for low, high in (*about, (min(0.0, least), max(1.0, most)), *((least - way, most + way) for way in far)):
-        yield farther(energy, least, low - least), farther(energy, most, high - most)
+def windows(energy: FreeEnergy, start: Pair) -> Iterator[Look]:
+    """What a function of the user has about a start, each time twice as far away, up to where values end.
+
+    Neither its unit is told nor up to where it is meant: the nearest is.
+    """
+    with np.errstate(all="ignore"):
+        energy.values(between(start))  # which says where it has none
+    (low, high), closed = start, (False, False)
+    size = max(abs(low), abs(high)) or FARTHEST**-0.5
+    way = max(0.1 * (high - low), NEAREST * size)
+    while way < FARTHEST * size and not all(closed):
+        aims = low if closed[0] else start[0] - way, high if closed[1] else start[1] + way
+        if look := as_far(energy, start, aims, closed):
+            (low, high), closed = look.pair((0, -1)), look.closed
+            yield look
+        way *= 2
 
 
 def is_bounded(energy: FreeEnergy) -> bool:
@@ -173,34 +217,9 @@ def spinodals(energy: FreeEnergy) -> Pair | None:
     return float(found[0] + energy.centre), float(found[-1] + energy.centre)
 
 
-def widened(energy: FreeEnergy, low: float, high: float, start: Pair, part: float, most: int) -> Pair | None:
-    """The phases that a start lies in most, between bounds that grow where these go on beyond.
-
-    They grow by that part of what is between them, so often at most. None if there are no phases, or if they go on.
-    """
-    for _ in range(most):
-        c, found = told(energy, low, high)
-        if not found:
-            return None
-        gap = max(found, key=lambda ends: shared((c[ends[0]], c[ends[1]]), start))
-        reach, before = part * (high - low), (low, high)
-        if gap[0] < NEAR:
-            low = farther(energy, low, -reach)
-        if gap[1] >= len(c) - NEAR:
-            high = farther(energy, high, reach)
-        if (low, high) == before:
-            return resolved(energy, low, high, c, gap)
-    return None
-
-
-def told(energy: FreeEnergy, low: float, high: float) -> tuple[Array, list[tuple[int, int]]]:
-    """Samples between bounds, and the gaps of their hull over which an energy rises by more than it is rough."""
-    c = np.linspace(low, high, SAMPLES)
-    f, rough = energy.values(c), 0.0
-    if isinstance(energy, UserFreeEnergy):
-        # of tables, or of noise, of which these differences are a multiple
-        rough = float(np.quantile(np.abs(np.diff(f, 5)), 0.99))
-    return c, [(a, b) for a, b in gaps(c, f) if above(c[a : b + 1], f[a : b + 1]).max() > rough]
+def between(pair: Pair) -> Array:
+    """A few compositions from one to another."""
+    return np.linspace(*pair, FEW)
 
 
 def above(c: Array, f: Array) -> Array:
@@ -208,62 +227,152 @@ def above(c: Array, f: Array) -> Array:
     return np.asarray(f - np.interp(c, c[[0, -1]], f[[0, -1]]))
 
 
-def farther(energy: FreeEnergy, end: float, reach: float) -> float:
-    """A composition as far beyond an end as an energy has values, up to some reach; not close to where these end."""
-    parts = 0.5 ** np.arange(HALVED)
-    return float(
-        end + next((part for part in parts if has_values(energy, end, end + part * reach)), 0.0) * reach
-    )
+def look_at(energy: FreeEnergy, ends: Pair, closed: tuple[bool, bool], samples: int = SAMPLES) -> Look | None:
+    """An energy between compositions, closer near these; None where it has no values, or a pole, in between."""
+    low, high = ends
+    c = low + (high - low) * np.sin(np.linspace(0, 0.5 * np.pi, samples)) ** 2
+    c[-1] = high
+    f = values(energy, c)
+    return None if f is None or has_pole(energy, c, f) else Look(c, f, closed)
 
 
-def farthest(energy: FreeEnergy, end: float, reach: float) -> float:
-    """The same, as close to where values end as makes no difference."""
-    has, lacks = 0.0, 1.0
-    if has_values(energy, end, end + reach):
-        return end + reach
-    for _ in range(HALVED):
-        part = 0.5 * (has + lacks)
-        has, lacks = (part, lacks) if has_values(energy, end, end + part * reach) else (has, part)
-    return end + has * reach
-
-
-def has_values(energy: FreeEnergy, first: float, second: float) -> bool:
-    """Whether an energy has values from one composition to another."""
+def values(energy: FreeEnergy, c: Array) -> Array | None:
+    """Of an energy; None if it has none somewhere."""
     try:
         with np.errstate(all="ignore"):
-            return bool(np.all(np.isfinite(energy.values(np.linspace(first, second, SAMPLES // 10)))))
+            f = energy.values(c)
     except RunError:  # what the user's function is taken from ends in between
-        return False
+        return None
+    return f if np.all(np.abs(f) < HUGE) else None
 
 
-def is_alone(energy: FreeEnergy, pair: Pair, low: float, high: float) -> bool:
-    """Whether there are no other phases between bounds, or about those found.
+def has_pole(energy: FreeEnergy, c: Array, f: Array) -> bool:
+    """Whether values grow beyond all bounds between the samples where they bend down most suddenly."""
+    for _ in range(3):
+        bend = np.pad(np.maximum(-np.diff(f, 2), 0.0), 3)
+        sudden = bend[3:-3] * (bend[3:-3] > SUDDEN * np.maximum(bend[6:], bend[:-6]))
+        if not sudden.any():
+            return False
+        at = int(np.argmax(sudden)) + 1
+        around = float(np.ptp([*f[max(at - 3, 0) : max(at - 1, 0)], *f[at + 2 : at + 4]]))
+        c = np.linspace(c[at - 1], c[at + 1], FEW)
+        closer = values(energy, c)
+        if closer is None:
+            return True
+        if not np.ptp(closer) > 2 * around:
+            return False
+        f = closer
+    return True
 
-    What goes on beyond is not counted, but where values end nothing does.
+
+def as_far(
+    energy: FreeEnergy, inner: Pair, aims: Pair, closed: tuple[bool, bool] = (False, False)
+) -> Look | None:
+    """A look at an energy up to aims, or to where values end between these and what is inside of them."""
+    if look := look_at(energy, aims, closed):
+        return look
+    low, high = farthest(energy, inner[0], aims[0]), farthest(energy, inner[1], aims[1])
+    closed = closed[0] or low != aims[0], closed[1] or high != aims[1]
+    for part in RETREATS:
+        ends = low + part * closed[0] * (inner[0] - low), high + part * closed[1] * (inner[1] - high)
+        if look := look_at(energy, ends, closed):
+            return look
+    return None
+
+
+def farthest(energy: FreeEnergy, end: float, aim: float) -> float:
+    """A composition as far from an end as an energy has values, up to some aim."""
+    has, lacks, middle = end, aim, aim
+    for _ in range(HALVED):
+        if look_at(energy, (min(end, middle), max(end, middle)), (False, False), FEW) is None:
+            lacks = middle
+        else:
+            has = middle
+        if has == aim:
+            break
+        middle = 0.5 * (has + lacks)
+    return has
+
+
+def separated(energy: FreeEnergy, look: Look, start: Pair) -> Pair | None:
+    """The phases that a start lies in most; None if there are none, or if these may go on beyond."""
+    seen = without_falls(energy, look)
+    if seen is None:
+        return None
+    found = [gap for gap in told(seen) if seen.is_inside(gap) or shared(seen.pair(gap), start) > 0]
+    gap = max(found, key=lambda gap: shared(seen.pair(gap), start), default=(0, 0))
+    return resolved(energy, seen, gap) if found and seen.is_inside(gap) else None
+
+
+def without_falls(energy: FreeEnergy, look: Look) -> Look | None:
+    """A closer look at what bends up, down, and up again; None if nothing does."""
+    part = bent(look)
+    closer = part and look_at(energy, part.pair((0, -1)), part.closed)
+    return closer and bent(closer)
+
+
+def bent(look: Look) -> Look | None:
+    """What common tangents may touch, as far as an energy is not rough; None if nothing bends up, down, and up again.
+
+    They touch nothing beyond ends that bend down, and nothing steeper or less steep than all that bends down between.
     """
-    about, middle = BESIDE * (pair[1] - pair[0]), 0.5 * (pair[0] + pair[1])
-    low, high = min(low, farthest(energy, pair[0], -about)), max(high, farthest(energy, pair[1], about))
-    c, found = told(energy, low, high)
-    goes_down, goes_up = (
-        has_values(energy, end, end + way) for end, way in ((low, -SLIGHT * about), (high, SLIGHT * about))
-    )
-    return all(
-        (a < NEAR and goes_down) or (b >= len(c) - NEAR and goes_up) or c[a] < middle < c[b] for a, b in found
-    )
+    x, y = look.c[::STRIDE], look.f[::STRIDE]
+    below = (y[:-2] * (x[2:] - x[1:-1]) + y[2:] * (x[1:-1] - x[:-2])) / (x[2:] - x[:-2]) - y[1:-1]
+    rough = np.concatenate([[0.0], np.cumsum(np.pad(np.abs(np.diff(look.f, 5)), (2, 3)))])
+    rough = (rough[2 * STRIDE :: STRIDE] - rough[: -2 * STRIDE : STRIDE]) / STRIDE
+    clear = np.flatnonzero(np.abs(below) > rough)
+    up = clear[below[clear] > 0]
+    down = clear[(below[clear] < 0) & (clear > up.min(initial=len(x))) & (clear < up.max(initial=0))]
+    if not len(down):
+        return None
+    slopes = np.diff(y) / np.diff(x)
+    steep = slopes[np.concatenate([down, down + 1])]
+    first = 0 if up[0] == clear[0] else up[0]
+    last = len(slopes) if up[-1] == clear[-1] else up[-1] + 2
+    first = max([first, *np.flatnonzero(slopes[: down[0]] < steep.min())[-1:]])
+    last = min([last, *(down[-1] + 3 + np.flatnonzero(slopes[down[-1] + 2 :] > steep.max())[:1])])
+    return look.part(int(first) * STRIDE, int(last) * STRIDE)
 
 
-def resolved(energy: FreeEnergy, low: float, high: float, c: Array, gap: tuple[int, int]) -> Pair:
-    """The ends of a tangent that is a gap between samples, by finer ones if it has few."""
-    first, second = float(c[gap[0]]), float(c[gap[1]])
-    if gap[1] - gap[0] >= FINE:
-        return polished(energy, first, second, float(c[1] - c[0]))
+def told(look: Look) -> list[tuple[int, int]]:
+    """Gaps of the hull over which an energy rises by more than it is rough."""
+    rough = np.abs(np.diff(look.f, 5))  # of tables, or of noise, of which these differences are a multiple
+    return [
+        (a, b)
+        for a, b in gaps(look.c, look.f)
+        if above(look.c[a : b + 1], look.f[a : b + 1]).max() > rough[max(a - 5, 0) : b + 1].max(initial=0.0)
+    ]
+
+
+def is_alone(energy: FreeEnergy, pair: Pair) -> bool:
+    """Whether an energy has no other phases, or a function of the user none about those found."""
+    for look in known(energy) or beside(energy, pair, BESIDE):
+        if (seen := without_falls(energy, look)) is not None:
+            for gap in told(seen):
+                low, high = seen.pair(gap)
+                same = max(abs(low - pair[0]), abs(high - pair[1])) < SLIGHT * (seen.c[-1] - seen.c[0])
+                if not same and (seen.is_inside(gap) or low < 0.5 * sum(pair) < high):
+                    return False
+    return True
+
+
+def beside(energy: FreeEnergy, pair: Pair, widths: float) -> list[Look]:
+    """What a function has about phases, up to so many times what is between them."""
+    about = widths * (pair[1] - pair[0])
+    look = as_far(energy, pair, (pair[0] - about, pair[1] + about))
+    return [] if look is None else [look]
+
+
+def resolved(energy: FreeEnergy, look: Look, gap: tuple[int, int]) -> Pair:
+    """The ends of a tangent that is a gap between samples, by closer ones."""
+    (first, second), (low, high) = look.pair(gap), look.pair((0, -1))
     apart = second - first
-    finer = np.linspace(max(low, first - 0.5 * apart), min(high, second + 0.5 * apart), SAMPLES)
-    found = gaps(finer, energy.values(finer))
-    if not found:
+    closer = look_at(energy, (max(low, first - 0.5 * apart), min(high, second + 0.5 * apart)), look.closed)
+    found = [] if closer is None else gaps(closer.c, closer.f)
+    if closer is None or not found:
         return first, second
-    most = max(found, key=lambda k: shared((float(finer[k[0]]), float(finer[k[1]])), (first, second)))
-    return polished(energy, float(finer[most[0]]), float(finer[most[1]]), float(finer[1] - finer[0]))
+    ends = max((closer.pair(gap) for gap in found), key=lambda ends: shared(ends, (first, second)))
+    return polished(energy, *ends, 4 * apart / SAMPLES)
 
 
 def polished(energy: FreeEnergy, low: float, high: float, near: float) -> Pair:
@@ -278,6 +387,8 @@ def polished(energy: FreeEnergy, low: float, high: float, near: float) -> Pair:
                 divisor = -bend[0] * (steeper + bend[1] * (b - a))
                 a += (steeper**2 - bend[1] * above) / divisor
                 b -= bend[0] * (above + steeper * (ends[1] - ends[0])) / divisor
+            if max(abs(a - ends[0]), abs(b - ends[1])) <= EDGE * near:
+                break
         except NotFinite:
             return low, high
         if not max(abs(a - low), abs(b - high)) <= 2 * near:
