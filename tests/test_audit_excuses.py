@@ -492,6 +492,37 @@ def test_gains_before_a_run_was_resumed_are_known(share: float, tmp_path: Path) 
     assert np.array_equal(*spans)
 
 
+def tied(scheme: vv.Scheme, leak: float, conductance: float, flux: float) -> vv.Result:
+    """A ball on a warm spring beside a store and a body that is heated, all of which exchange heat, and a force."""
+    ground, ball = vv.Ground(), vv.PointMass(mass=1.0, position=(1, 0, 0))
+    spring = vv.ThermalSpring(a=ground, b=ball, stiffness=40.0, capacity=3.0, free_length=1.0)
+    store = vv.HeatStore(capacity=1.0, temperature=350.0)
+    mesh = vv.BoxMesh(size=(0.1, 0.1, 0.1), counts=(1, 1, 1))
+    body = vv.ThermalBody(mesh=mesh, conductivity=50.0, capacity=460.0, density=7800.0, temperature=300.0)
+    heat = [
+        vv.HeatExchange(a=spring, b=store, conductance=conductance),
+        vv.HeatExchange(a=spring, b=body, nodes_b="x0", conductance=1e-6),
+        vv.HeatFlux(body=body, faces="x1", flux=flux),
+    ]
+    push = vv.UserTerm(term=Leak(leak, 2), on=[ball])
+    system = vv.System([ground, ball, spring, store, body, *heat, push])
+    return vv.simulate(system, until=1.0, step=0.01, scheme=scheme)
+
+
+@pytest.mark.parametrize(
+    "scheme", [vv.BDF2(), vv.BackwardEuler(), vv.GeneralizedAlpha(), vv.Midpoint()], ids=repr
+)
+@pytest.mark.parametrize(("conductance", "flux"), [(5.0, 0.0), (1e-6, 1e5)])
+def test_heat_hides_no_work_that_is_not_booked_on_what_is_tied_to_it(
+    scheme: vv.Scheme, conductance: float, flux: float
+) -> None:
+    """A ball gains 5 J of a force that is not booked, beside 43 J that its spring gets, or 1000 J of a body."""
+    for leak in (0.0, 4.0):
+        result = tied(scheme, leak, conductance, flux)
+        assert (result.ledger.greatest("imbalance") > 4.9) == (leak > 0)
+        assert energy_verdict(result).startswith("WRONG") == (leak > 0)
+
+
 @pytest.mark.parametrize(
     "scheme", [vv.EnergyMomentum(), vv.BDF2(), vv.BackwardEuler(), vv.Midpoint()], ids=repr
 )

@@ -386,7 +386,7 @@ class Bookkeeper:
         if (missed := self.ledger.sizes.missed) is not None:
             missed.add()
         if (groups := self.ledger.sizes.groups) is not None:
-            groups.add(core)
+            groups.add(time, core)
         return row
 
 

@@ -47,6 +47,11 @@ class Spread:
         self._done = own(losing, *BROUGHT)
         self.span = np.empty((0, len(self._stored) + len(self._done)))
 
+    @property
+    def accounts(self) -> NDArray[np.int64]:
+        """All that it looks at, what is stored before what is done."""
+        return np.array([*self._stored, *self._done], dtype=int)
+
     @classmethod
     def empty(cls) -> Spread:
         """Nothing, as of a ledger that was read."""

@@ -64,7 +64,7 @@ def records_of(result: Result, books: Bookkeeper) -> list[Record]:
     if (missed := books.ledger.sizes.missed) is not None:
         ledger |= {"missed": missed.span, "brought": missed.brought.span}
     if (groups := books.ledger.sizes.groups) is not None:
-        ledger |= {"groups": groups.span, "groups_brought": groups.brought.span}
+        ledger |= groups.memory()
     if own := books.ledger.sizes.lags:
         ledger["lags"] = np.array([lag.memory for lag in own])
     records = [
@@ -135,7 +135,7 @@ def load(path: Path, result: Result, books: Bookkeeper, changed: bool = False) -
         missed.resume(ledger.arrays.get("missed"))
         missed.brought.span = ledger.arrays.get("brought", missed.brought.span)
     if (groups := books.ledger.sizes.groups) is not None:
-        groups.resume(ledger.arrays.get("groups"), ledger.arrays.get("groups_brought"))
+        groups.resume(ledger.arrays)
     books.swings.resume(ledger.arrays.get("swings"), system)
     lags.resume(books.ledger.sizes.lags, ledger.arrays.get("lags"), system)
 
