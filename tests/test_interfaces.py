@@ -538,3 +538,56 @@ def test_thin_interfaces_of_an_electrode_are_refused_from_one_phase(start: float
             gradient_energy=0.01 / most**2,
             concentration=lambda X: most * (start + 1e-6 * np.cos(X[:, 0])),
         )
+
+
+def narrow(most: float) -> vv.UserFreeEnergy:
+    """Phases of .49835 and .50165 of `most`."""
+
+    def function(c: Any) -> Any:
+        off = c / most - 0.5
+        return off**2 + 16 * 0.0007**2 * np.exp(-((off / 0.0014) ** 2) / 2)
+
+    return vv.UserFreeEnergy(function=function)
+
+
+def falling(most: float) -> vv.PolynomialEnergy:
+    """Phases of .499 and .501 of `most`, and less energy than theirs far beyond."""
+    terms = (0.0, 0.0, -2e-6, 0.0, 1.0, -0.2)
+    return vv.PolynomialEnergy(coefficients=[a / most**k for k, a in enumerate(terms)], centre=0.5 * most)
+
+
+@pytest.mark.parametrize("most", [1.0, 3e4])
+@pytest.mark.parametrize(
+    ("form", "energy"),
+    [(vv.CahnHilliard, narrow), (vv.CahnHilliard, falling), (vv.MixtureSolid, falling)],
+    ids=lambda part: str(part.__name__),
+)
+def test_thin_interfaces_far_from_the_start_are_refused_on_the_way(
+    form: Any, energy: Any, most: float
+) -> None:
+    """Between phases that nothing tells of where it starts: where the field comes to bend down, they are looked for."""
+
+    def driven(width: float) -> vv.System:
+        given: dict[str, Any] = {
+            "mesh": vv.RectangleMesh(size=(1, 0.1), counts=(40, 2), cell="quad4"),
+            "free_energy": energy(most),
+            "gradient_energy": (width / (2.1255 if energy is narrow else 1414.2) / most) ** 2,
+            "mobility": most**2,
+            "concentration": 0.1 * most,
+        }
+        if form is vv.MixtureSolid:
+            soft = vv.SaintVenantKirchhoff(young=1e-6, poisson=0.3)
+            given |= {"material": soft, "eigenstrain": 0.0, "reference": 0.0}
+        body = form(**given)
+        inflow = vv.PrescribedConcentration(body=body, nodes="x0", value=f"{most} * (0.1 + 0.5 * t)")
+        held = [vv.Fixed(solid=body, nodes="all")] if form is vv.MixtureSolid else []
+        assert body.interface() is None
+        return vv.System([body, inflow, *held])
+
+    system = driven(0.02)
+    with pytest.raises(vv.InputError, match=r"an interface is 0\.02 wide, between .*less than two cells"):
+        vv.simulate(system, until=1.0, step=0.02, scheme=vv.BackwardEuler())
+    assert 0.5 < system.time < 1.0  # where it has come to them
+    system = driven(0.2)
+    vv.simulate(system, until=1.0, step=0.02, scheme=vv.BackwardEuler())
+    assert system.time == 1.0

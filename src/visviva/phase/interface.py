@@ -172,6 +172,11 @@ def known(energy: FreeEnergy) -> list[Look]:
     return [look for look in looks if look is not None]
 
 
+def tells_all(energy: FreeEnergy) -> bool:
+    """Whether all phases of an energy are found, wherever a start is."""
+    return isinstance(energy, DoubleWell) or bool(bounds(energy))
+
+
 def bounds(energy: FreeEnergy) -> list[Pair]:
     """Between which compositions all phases are; nothing where an energy does not tell."""
     if energy.has_domain:

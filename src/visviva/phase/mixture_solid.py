@@ -174,6 +174,7 @@ class MixtureSolid(Limited, Solid):
         """Points where concentrations leave no length or stiffness, or the mobility."""
         c = self.coefficients(x)
         lost = first_point(self.label, self.space, c, lambda values: self._least(values) <= 0, self._said)
+        self.chemistry.refuse_thin_beyond(c)
         return lost or missed_mobility(self.chemistry, self.label, c) or super().invalid(x)
 
     def _stiffness(self, off: Array) -> Array:

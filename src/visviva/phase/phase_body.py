@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from visviva.model.callback import Function
 from visviva.model.field import FAINT, Field, Role
 from visviva.model.points import Group
 from visviva.phase.free_energy import FreeEnergy, UserFreeEnergy, temperature_at
-from visviva.phase.interface import Interface, interface
+from visviva.phase.interface import Interface, interface, tells_all
 from visviva.phase.mobility import Mobility
 
 if TYPE_CHECKING:
@@ -39,6 +39,8 @@ Ints = NDArray[np.int64]
 
 WARMER = 0.01
 """Of temperatures, by which steps of those are apart at which interfaces are looked at ahead."""
+ABOUT = 0.01
+"""Of the values of a field, about which phases are seen that are looked for there."""
 NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
 
@@ -73,6 +75,8 @@ class PhaseBody(Limited, Meshed):
     _found: tuple[FreeEnergy, Interface | None] | None = None
     _resolved: frozenset[int] = frozenset()
     """Temperatures, counted by their logarithm, at which interfaces are known to be wide enough."""
+    _seen: tuple[tuple[float, float], ...] = ()
+    """Where phases of a function have been looked for on the way."""
     cure = "take a mesh of cells without nodes between their corners"
     """Of logarithms that act inside of elements only."""
     lumps = True
@@ -144,9 +148,9 @@ class PhaseBody(Limited, Meshed):
             self._found = energy, self._interface_of(energy)
         return self._found[1]
 
-    def _interface_of(self, energy: FreeEnergy) -> Interface | None:
+    def _interface_of(self, energy: FreeEnergy, start: tuple[float, float] | None = None) -> Interface | None:
         stiffnesses = self._stiffnesses()
-        found = interface(energy, float(stiffnesses.min()), self._start)
+        found = interface(energy, float(stiffnesses.min()), start or self._start)
         return found and replace(found, alike=bool(np.ptp(stiffnesses) <= 1e-12 * stiffnesses.max()))
 
     def _stiffnesses(self) -> Array:
@@ -163,12 +167,50 @@ class PhaseBody(Limited, Meshed):
                 "values there and in between, or take vv.FloryHuggins or vv.RegularSolution for logarithms"
             ) from None
         if found is not None and self._is_thin(found):
-            wider, when = 2 * self.space.spacing / found.width, f" at t = {time:g}" if time else ""
-            raise InputError(
-                f"{self.label}: an interface is {found.width:.3g} wide{when}, the distance of its nodes "
-                f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
-                f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
-            )
+            raise InputError(self._too_thin(found, f" at t = {time:g}" if time else ""))
+
+    def _too_thin(self, found: Interface, when: str) -> str:
+        wider = 2 * self.space.spacing / found.width
+        return (
+            f"{self.label}: an interface is {found.width:.3g} wide{when}, the distance of its nodes "
+            f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
+            f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
+        )
+
+    def refuse_thin_beyond(self, c: Array) -> None:
+        """Refuse thin interfaces between phases that are too far from the start to be seen from there.
+
+        What bends down separates: where coefficients `c` do so for the first time, phases are looked for about these,
+        of functions and of polynomials that fall for ever.
+
+        Raises
+        ------
+        InputError
+        """
+        if self._sees_all:
+            return
+        at = self._first_bent(c)
+        if at is None:
+            return
+        found, way = self._interface_of(self.free_energy, (at, at)), ABOUT * max(float(np.ptp(c)), abs(at))
+        if found is not None and self._is_thin(found):
+            raise InputError(self._too_thin(found, f", between {found.low:.6g} and {found.high:.6g}"))
+        self._seen = (*self._seen, (at - way, at + way), *([(found.low, found.high)] if found else []))
+
+    @cached_property
+    def _sees_all(self) -> bool:
+        return tells_all(self.free_energy.at(0.0))
+
+    def _first_bent(self, c: Array) -> float | None:
+        """A value among coefficients at which the energy bends down, and about which no phases were looked for."""
+        found = self.interface()
+        try:
+            off = self.free_energy.curvatures(c) < 0
+        except NotFinite:
+            return None
+        for low, high in (*self._seen, *([(found.low, found.high)] if found else [])):
+            off &= (c < low) | (c > high)
+        return float(np.median(c[off])) if off.any() else None
 
     def _is_thin(self, found: Interface) -> bool:
         return found.width < 2 * self.space.spacing * (1 - 1e-9)
@@ -311,7 +353,9 @@ class PhaseBody(Limited, Meshed):
 
     def invalid(self, x: Array) -> str:
         """Points where its mobility is not the user's."""
-        return missed_mobility(self, self.label, self.coefficients(self.phase, x))
+        c = self.coefficients(self.phase, x)
+        self.refuse_thin_beyond(c)
+        return missed_mobility(self, self.label, c)
 
     @property
     def _a(self) -> str:
