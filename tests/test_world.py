@@ -239,3 +239,11 @@ def test_what_the_first_process_gets_all_have(monkeypatch: pytest.MonkeyPatch, t
     monkeypatch.setattr(seam, "_joined", [Second((None, vv.RunError("the disk is full")))])
     with pytest.raises(vv.RunError, match="the disk is full"):
         result.plot(tmp_path / "plot.png")
+
+
+def test_systems_that_were_refused_do_not_count() -> None:
+    """One process that was refused one alone had other numbers for all later systems, none of which went on then."""
+    before = vv.System([vv.PointMass(mass=1.0)]).composition.number
+    with pytest.raises(vv.InputError, match="no unknowns"):
+        vv.System([vv.Ground()])
+    assert vv.System([vv.PointMass(mass=1.0)]).composition.number == before + 1

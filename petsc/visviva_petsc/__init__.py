@@ -24,9 +24,10 @@ def join() -> World:
     from mpi4py import MPI
 
     from visviva_petsc.choice import refuse_unfit
-    from visviva_petsc.failing import end_all_together, finalize_here
+    from visviva_petsc.failing import end_all_together, finalize_here, give_signals_back
     from visviva_petsc.world import World
 
+    give_signals_back()
     refuse_unfit()
     finalize_here(is_ours)
     world = World(MPI.COMM_WORLD)
@@ -38,5 +39,7 @@ def join() -> World:
 def choose(problem: Problem, given: dict[str, str]) -> Choice:
     """Solvers of PETSc for a problem, with options of the user."""
     from visviva_petsc.choice import choose as chosen
+    from visviva_petsc.failing import give_signals_back
 
+    give_signals_back()
     return chosen(problem, given)

@@ -71,7 +71,7 @@ def finalize_here(is_ours: bool) -> None:
     def leave_them() -> None:
         called = ctypes.CDLL(PETSc.__file__)
         ctypes.c_bool.in_dll(called, "PetscFinalizeCalled").value = True
-        give_signals_back()
+        give_signals_back(every=True)
         if not is_ours:
             atexit.register(leave_mpi if keeps_sessions() else refuse_end)
 
@@ -79,10 +79,14 @@ def finalize_here(is_ours: bool) -> None:
     os.register_at_fork(after_in_child=leave_them)
 
 
-def give_signals_back() -> None:
-    """Let signals do what Python knows they should: by PETSc's handlers whoever ends a forked process ends all."""
+def give_signals_back(every: bool = False) -> None:
+    """Let signals do again what scripts have said they should, which PETSc knows nothing of, or what Python knows.
+
+    By PETSc's handlers whoever ends a forked process ends all.
+    """
     for number in signal.valid_signals():
-        if (handler := signal.getsignal(number)) is not None:
+        handler = signal.getsignal(number)
+        if callable(handler) or (every and handler is not None):
             with suppress(OSError, ValueError):  # some cannot be handled
                 signal.signal(number, handler)
 

@@ -52,21 +52,23 @@ class Together:
 
         Raises
         ------
-        Exception
-            That which it gets itself, if none of the processes is without.
+        BaseException
+            That which it gets itself, if none of the processes is without, or if it is not to be handled.
         RunError
             If one gets an exception, and others do not.
         """
-        error: Exception | None = None
+        error: BaseException | None = None
         try:
             found = do(*given)
-        except Exception as failure:  # whatever it is, the others shall not wait for what comes after
+        except (
+            BaseException
+        ) as failure:  # the others, which may be left within, shall not wait for what comes after
             error = failure
         self.message = self.solver.message
         failures = told_by_all(error)
         if not any(failures):
             return found
-        if error is not None and all(failures):
+        if error is not None and (all(failures) or not isinstance(error, Exception)):
             raise error
         k = next(k for k, failure in enumerate(failures) if failure)
         raise RunError(
@@ -74,7 +76,7 @@ class Together:
         ) from error
 
 
-def told_by_all(error: Exception | None) -> list[str]:
+def told_by_all(error: BaseException | None) -> list[str]:
     """What the processes have failed by, in their order; nothing of those that have not."""
     own = "" if error is None else f"{type(error).__name__}: {' '.join(str(error).split())}"
     world = base.world()

@@ -25,7 +25,7 @@ from visviva_petsc.window import LENGTH, Window
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-RAISED = re.compile(r"Traceback [^\n]*\n(?:  [^\n]*\n)*(\w+)(?:: (.*))?", re.DOTALL)
+RAISED = re.compile(r"Traceback [^\n]*\n(?:  [^\n]*\n)*(\w+)(?::\s*(.*))?", re.DOTALL)
 """What the core knows of an error of Python: where it comes from, its class and what it says."""
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""

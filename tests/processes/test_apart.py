@@ -190,7 +190,7 @@ if kind == "within":
         again(one.step, 0.05)
 
 def fail(*given):
-    raise RuntimeError("only here")
+    raise (KeyboardInterrupt if kind == "interrupted" else RuntimeError)("only here")
 
 
 if kind == "core":
@@ -203,14 +203,14 @@ if kind == "core":
     except Exception:
         Owners.largest = largest
     one.step(0.05)
-if kind == "solver":
+if kind in ("solver", "interrupted"):
     from visviva_petsc.solver import Solver
 
     one.step(0.05)
     solve, Solver.solve = Solver.solve, fail if rank else Solver.solve
     try:
         one.step(0.05)
-    except Exception:
+    except BaseException:
         Solver.solve = solve
     one.step(0.05)
 if kind == "one composes" and rank == 0:
@@ -253,6 +253,7 @@ PARTED = {
     "within": r"process 0 is to compare values \(Prescribed 'p.*, process 1 to take a step .* \(after \w+: .*only here",
     "core": r"process 1 of 2 is to take a step .* \(after RuntimeError: only here\), and process 0 waits for it",
     "solver": r"process 1 of 2 could not solve with the others: RuntimeError: only here\n",
+    "interrupted": r"process 1 of 2 could not solve with the others: KeyboardInterrupt: only here\n",
     "one composes": r"process 0 is to compose a system, process 1 to march system 0\. Each runs the whole script",
     "one begins anew": r"process 0 is to march system 0, process 1 to compose a system\. Each",
     "lengths": r"process 0 is to take a step of system 0 from t = 0\.0 with h = 0\.05 by .* with h = 0\.06\d* by ",
@@ -444,13 +445,13 @@ class Own(vv.InputError):
 
 
 kinds = {"key": KeyError, "run": vv.RunError, "input": vv.InputError, "memory": MemoryError, "exit": SystemExit,
-         "value": ValueError, "stop": StopIteration, "own": Own, "empty": RuntimeError}
+         "value": ValueError, "stop": StopIteration, "own": Own, "empty": RuntimeError, "bare": Own}
 
 
 def run(kind):
     def traction(t, X):
         if kind and t > 0.06 and X[:, 0].max() > 3:  # cells of one process
-            raise kinds[kind](*["late\\nand in two lines"] * (kind != "empty"))
+            raise kinds[kind](*["late\\nand in two lines"] * (kind not in ("empty", "bare")))
         return np.zeros_like(X)
 
     block = vv.Solid(mesh=vv.BoxMesh(size=(4, 1, 1), counts=(8, 2, 2)), density=1.0, angular_velocity=(0, 0, 1),
@@ -480,6 +481,7 @@ def test_what_a_function_raises_in_one_process_all_may_catch(tmp_path: Path) -> 
     assert "key: RunError: Traction: its traction raised KeyError" in one.stdout
     assert "stop: RunError: Traction: its traction raised StopIteration" in one.stdout
     assert "own: Own: late" in one.stdout
+    assert "bare: Own: \n" in one.stdout
     assert "traction raised RuntimeError\n" in one.stdout
     assert two.stdout == one.stdout
 

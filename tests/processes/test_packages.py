@@ -282,3 +282,31 @@ if world().rank == 0:
 def test_systems_that_are_no_more_take_no_memory(tmp_path: Path) -> None:
     """PETSc kept the matrices of each until the end, 5 MiB here: processes may let go of them at different times."""
     assert float(said(2, MANY, tmp_path)) < 12.0
+
+
+SIGNALLED = """
+import os
+import signal
+import sys
+
+import visviva as vv
+
+signal.signal(signal.SIGTERM, lambda *given: sys.exit(print("saved", flush=True) or 5))
+rubber, mesh = vv.NeoHooke(young=100, poisson=0.3), vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))
+block = vv.Solid(mesh=mesh, material=rubber, density=1.0)
+linear = vv.Petsc() if sys.argv[1] == "0" else None
+system = vv.System([block, vv.Gravity()], newton=vv.Newton(linear=linear))
+system.step(0.01)
+os.kill(os.getpid(), signal.SIGTERM)
+print("went on")
+"""
+
+
+@pytest.mark.parametrize("n", [0, 2])
+def test_signals_do_what_the_script_has_said(n: int, tmp_path: Path) -> None:
+    """PETSc took them, and aborted."""
+    (tmp_path / "script.py").write_text(SIGNALLED)
+    done = launched(n, str(tmp_path / "script.py"), str(n), limit=60)
+    assert done.returncode == 5, done.stderr
+    assert done.stdout.count("saved") == max(n, 1)
+    assert "went on" not in done.stdout

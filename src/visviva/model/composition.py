@@ -20,19 +20,20 @@ class Composition:
     Attributes
     ----------
     number : int
-        How many were made before it.
+        How many were settled before it: what one of several processes was refused alone does not count.
     """
 
     _made = count()
 
     def __init__(self) -> None:
-        self.number = next(self._made)
+        self.number = -1
         self._alike = object()
         self._names: tuple[tuple[int, str, str], ...] = ()
         self._values = 0
 
     def settle(self, fields: Sequence[Field], before: Composition | None) -> None:
         """Note the numbers of the unknowns of all fields, and whether they are those of the composition before."""
+        self.number = next(self._made)
         self._names = tuple((f.start, f.component.label, f.name) for f in fields)
         self._values = hash(b"".join(f.values.tobytes() for f in fields))
         if before is not None and (self._names, self._values) == (before._names, before._values):
