@@ -72,7 +72,6 @@ class NodeToSegment : public PointGaps {
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
-    bool locate_beside(const double* X, int A, Found& found) const;
     Reach locate_held(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
     bool turns() const { return !options_.turning.empty(); }  // balls that rub

@@ -85,45 +85,11 @@ int PointGaps::side_inside(const double* X, int A, int kept) const {
         // what is barely inside may have come in by a side that it sags past all the same
         if (const int near = nearest_side(X, A); came < 0 && !keeps_ && swings_by(X, A, near)) came = near;
         if (came < 0 || (keeps_ && !sagged(start, A, came)) || touches(start, A, came)) return came;
-        const int face = touched(X, A, came);
-        return static_ || lands(A, face) ? face : Sides::none;
+        return static_ ? touched(X, A, came) : Sides::none;
     }
     const int near = nearest_side(X, A);
     if (near < 0 || are_same(X, kept, near)) return Sides::nearest;
     return touches(start, A, near) && slides_out(X, A, kept, near) ? Sides::nearest : kept;
-}
-
-// Whether what comes by a wall that another body covers was above the face beside it where the step began: as
-// on one floor it lands on that.
-bool PointGaps::lands(int A, int face) const {
-    return face >= 0 && covers_.has(1) && depth(start(), A, face) <= 0;
-}
-
-// Of the second body the wall is covered: the edge at which the face begins, and what a vertex below that
-// has come to. Of the first one the vertex itself, a corner, is.
-bool PointGaps::is_flush(const double* X, int A, const Plane& wall, const Plane& face) const {
-    if (!start() || deforms(A) || (!covers_.has(0) && !covers_.has(1))) return false;
-    auto back = [&](const std::vector<int>& vertices) {
-        return RigidMotion(start(), X, vertices, std::vector<double>(vertices.size(), 1.0));
-    };
-    const At x(X + 3 * A);
-    const Vector3& w = wall.normal;
-    if (covers_.has(1)) {
-        const RigidMotion body = back(others(A));
-        const Matrix3 turn = body.turn.transpose();
-        const Vector3 foot = x - wall.height * w, up = (face.normal - face.normal.dot(w) * w).normalized();
-        const double above = (face.height - wall.height * face.normal.dot(w)) / face.normal.dot(up);
-        auto covered = [&](const Vector3& place) {
-            return covers_.goes_on(1, body.back(place), turn * up, turn * w);
-        };
-        if (covered(foot - above * up) && (above > 0 || covered(foot))) return true;
-    }
-    if (!covers_.has(0) || around_.corners.empty()) return false;
-    std::vector<int> own(n_ / options_.copies);
-    std::iota(own.begin(), own.end(), 0);
-    const RigidMotion body = back(own);
-    const Vector3 inwards = -around_.by_angles(start(), A % static_cast<int>(own.size())).normalized();
-    return covers_.is_beside(0, body.back(x), inwards - body.turn.transpose() * w);
 }
 
 // Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer:

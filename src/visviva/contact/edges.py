@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -159,24 +159,6 @@ def lie_beside(contact: Contact, others: Sequence[Contact]) -> None:
     for one, two in product(own, beside):
         one.lie_beside(two)
         two.lie_beside(one)
-
-
-def cover(contact: Contact, others: Sequence[Contact]) -> None:
-    """Let rigid bodies of a contact and others, which are before it, cover each other where they touch the same one."""
-    for one, two in [pair for other in others for pair in ((contact, other), (other, contact))]:
-        if one.is_mortar or watched(one) is None or watched(two) is None:
-            continue
-        bodies = [one.first, one.second]
-        for side, body in product((0, 1), (two.first, two.second)):
-            if bodies[1 - side] in (two.first, two.second) and body not in bodies:
-                for term in _terms(one):
-                    term.cover(side, _cover_of(two, body))
-
-
-def _cover_of(contact: Contact, body: Any) -> _core.Cover:
-    if body not in contact._covers:
-        contact._covers[body] = _core.Cover(skin(whole_surface(contact, body), None, sees=False))
-    return contact._covers[body]
 
 
 def _terms(contact: Contact) -> list[_core.ContactTerm]:
