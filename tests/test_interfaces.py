@@ -591,3 +591,61 @@ def test_thin_interfaces_far_from_the_start_are_refused_on_the_way(
     system = driven(0.2)
     vv.simulate(system, until=1.0, step=0.02, scheme=vv.BackwardEuler())
     assert system.time == 1.0
+
+
+THREE = 100 * np.polynomial.Polynomial.fromroots([0.0, 0.0, 0.2, 0.2, 1.0, 1.0])
+"""Wells at 0, .2 and 1."""
+
+
+@pytest.mark.parametrize(
+    "energy",
+    [vv.UserFreeEnergy(function=lambda c: THREE(c)), vv.PolynomialEnergy(coefficients=list(THREE.coef))],
+    ids=["function", "polynomial"],
+)
+def test_thin_interfaces_between_other_wells_are_refused_on_the_way(energy: vv.FreeEnergy) -> None:
+    """Those that a field has beside the nearest to its start, even without a node within: content was below zero."""
+    body = vv.CahnHilliard(
+        mesh=vv.RectangleMesh(size=(20, 0.9), counts=(22, 1)),
+        free_energy=energy,
+        gradient_energy=2.0,
+        concentration=0.02,
+    )
+    near = body.interface()
+    assert near is not None
+    assert near.width > 2 * 20 / 22
+    system = vv.System([body, vv.PrescribedConcentration(body=body, nodes="x0", value=1.02)])
+    with pytest.raises(vv.InputError, match=r"wide, between 0\.\d* and 1, the distance of its nodes 0\.909"):
+        vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+
+
+@pytest.mark.parametrize("chi", [8.0, 12.0, 16.0])
+def test_steep_walls_hide_no_phases(chi: float) -> None:
+    """Logarithms that parabolas continue: by their kink the energy was taken for rough, and nothing separated."""
+
+    def entropy(c: Any) -> Any:
+        near = 1e-9
+        inside = np.where(np.real(c) > near, c, near)
+        beyond = c * np.log(near) + (c - near) + (c - near) ** 2 / (2 * near)
+        return np.where(np.real(c) > near, c * np.log(inside), beyond)
+
+    energy = vv.UserFreeEnergy(function=lambda c: entropy(c) + entropy(1 - c) + chi * c * (1 - c))
+    binodal = brentq(lambda c: np.log(c / (1 - c)) + chi * (1 - 2 * c), 1e-9, 0.2)
+    for start in (0.3, 0.5, 0.01):
+        found = interface(energy, 1.0, (start, start))
+        assert found is not None
+        assert (found.low, found.high) == pytest.approx((binodal, 1 - binodal), abs=1e-3)
+
+
+def test_what_is_empty_has_phases_in_any_unit() -> None:
+    energy = vv.UserFreeEnergy(function=lambda c: ((c / 1.4e28 - 0.05) * (c / 1.4e28 - 0.95)) ** 2)
+    found = interface(energy, 1.0, (0.0, 0.0))
+    assert found is not None
+    assert (found.low, found.high) == pytest.approx((0.05 * 1.4e28, 0.95 * 1.4e28), rel=1e-3)
+
+
+def test_wells_that_are_far_away_for_those_found_count() -> None:
+    """Of .02, .07 and .95 the last was not seen: areas of 20 for 1."""
+    wells = np.polynomial.Polynomial.fromroots([0.02, 0.02, 0.07, 0.07, 0.95, 0.95])
+    found = interface(vv.UserFreeEnergy(function=lambda c: wells(c)), 1.0, (0.03, 0.03))
+    assert found is not None
+    assert not found.alone

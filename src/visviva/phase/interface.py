@@ -25,6 +25,8 @@ FINE = 4001
 """Those between phases by which their tension is summed."""
 NEAREST, FARTHEST = 1e-6, 1e20
 """Sizes of a start at which looking for the phases of a function begins and ends."""
+EMPTY = 1e-30, 1e30
+"""The same of a start of nothing: whatever unit there is."""
 HALVED = 40
 """Times that a way is halved to where values end."""
 RETREATS = 0.0, 1e-6, 1e-3
@@ -37,8 +39,10 @@ SUDDEN = 10
 """Times that poles bend more than what is beside them, at least."""
 DWARFED = 20
 """Times that phases are farther apart than ripples of tables, at least, and its square that they rise higher."""
-BESIDE = 10
-"""Widths beside phases where others are looked for."""
+BESIDE = 10, 100
+"""Widths beside phases up to which others are looked for, at once."""
+INSIDE = 20
+"""Samples of a gap that tell how rough it is, at least."""
 LEVEL = 1e-6
 """Differences of wells, over what is between them, that are none."""
 EDGE = 1e-9
@@ -196,9 +200,9 @@ def windows(energy: FreeEnergy, start: Pair) -> Iterator[Look]:
     with np.errstate(all="ignore"):
         energy.values(between(start))  # which says where it has none
     (low, high), closed = start, (False, False)
-    size = max(abs(low), abs(high)) or FARTHEST**-0.5
-    way = max(0.1 * (high - low), NEAREST * size)
-    while way < FARTHEST * size and not all(closed):
+    size = max(abs(low), abs(high))
+    way, most = (max(0.1 * (high - low), NEAREST * size), FARTHEST * size) if size else EMPTY
+    while way < most and not all(closed):
         aims = low if closed[0] else start[0] - way, high if closed[1] else start[1] + way
         if look := as_far(energy, start, aims, closed):
             (low, high), closed = look.pair((0, -1)), look.closed
@@ -342,16 +346,19 @@ def bent(look: Look) -> Look | None:
 def told(look: Look) -> list[tuple[int, int]]:
     """Gaps of the hull over which an energy rises by more than it is rough."""
     rough = np.abs(np.diff(look.f, 5))  # of tables, or of noise, of which these differences are a multiple
-    return [
-        (a, b)
-        for a, b in gaps(look.c, look.f)
-        if above(look.c[a : b + 1], look.f[a : b + 1]).max() > rough[max(a - 5, 0) : b + 1].max(initial=0.0)
-    ]
+
+    def is_clear(a: int, b: int) -> bool:
+        inside = (
+            slice(a, b - 4) if b - a >= INSIDE else slice(max(a - 5, 0), b + 1)
+        )  # without steep walls beside
+        return bool(above(look.c[a : b + 1], look.f[a : b + 1]).max() > rough[inside].max(initial=0.0))
+
+    return [gap for gap in gaps(look.c, look.f) if is_clear(*gap)]
 
 
 def is_alone(energy: FreeEnergy, pair: Pair) -> bool:
     """Whether an energy has no other phases, or a function of the user none about those found."""
-    for look in known(energy) or beside(energy, pair, BESIDE):
+    for look in known(energy) or (look for widths in BESIDE for look in beside(energy, pair, widths)):
         if (seen := without_falls(energy, look)) is not None:
             for gap in told(seen):
                 low, high = seen.pair(gap)

@@ -41,6 +41,8 @@ WARMER = 0.01
 """Of temperatures, by which steps of those are apart at which interfaces are looked at ahead."""
 ABOUT = 0.01
 """Of the values of a field, about which phases are seen that are looked for there."""
+PASSED = 101
+"""Values between the least and the largest of a field, all of which it has somewhere."""
 NEAR_PURE = 0.01
 """Phases nearer to the ends of logarithms than this pass them by what interfaces overshoot."""
 
@@ -199,18 +201,20 @@ class PhaseBody(Limited, Meshed):
 
     @cached_property
     def _sees_all(self) -> bool:
-        return tells_all(self.free_energy.at(0.0))
+        """Whether it has no phases but those between which interfaces were looked at from the start."""
+        found = self.interface()
+        return tells_all(self.free_energy.at(0.0)) and (found is None or found.alone)
 
     def _first_bent(self, c: Array) -> float | None:
-        """A value among coefficients at which the energy bends down, and about which no phases were looked for."""
-        found = self.interface()
+        """A value at or between coefficients at which the energy bends down, and no phases were looked for yet."""
+        found, c = self.interface(), np.concatenate([c, np.linspace(c.min(), c.max(), PASSED)])
         try:
             off = self.free_energy.curvatures(c) < 0
         except NotFinite:
             return None
         for low, high in (*self._seen, *([(found.low, found.high)] if found else [])):
             off &= (c < low) | (c > high)
-        return float(np.median(c[off])) if off.any() else None
+        return float(np.sort(c[off])[np.count_nonzero(off) // 2]) if off.any() else None
 
     def _is_thin(self, found: Interface) -> bool:
         return found.width < 2 * self.space.spacing * (1 - 1e-9)
