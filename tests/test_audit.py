@@ -296,6 +296,29 @@ def test_heat_that_rings_in_a_few_steps_is_wrong(steps: int, scheme: vv.Scheme) 
     assert lines(result)["changes"].startswith("WRONG")
 
 
+@pytest.mark.parametrize("steps", [6, 12])
+@pytest.mark.parametrize(("step", "rings"), [(0.5, True), (0.05, False)])
+def test_quenches_that_ring_are_wrong(step: float, rings: bool, steps: int) -> None:
+    """Steel of 850 C in water: steps take back less than half of the one before, and are off by a tenth of the drop."""
+
+    def surface(step: float, steps: int, scheme: vv.Scheme) -> Any:
+        plate = vv.ThermalBody(
+            mesh=vv.RectangleMesh(size=(0.02, 0.002), counts=(20, 1)),
+            conductivity=45.0,
+            capacity=480.0,
+            density=7800.0,
+            temperature=850.0,
+        )
+        water = vv.Convection(body=plate, faces="x0", coefficient=5000.0, ambient=20.0)
+        result = vv.simulate(vv.System([plate, water]), until=steps * step, step=step, scheme=scheme)
+        return result, np.array(result.history(vv.TemperatureAt(body=plate, at=(0, 0, 0))))
+
+    result, found = surface(step, steps, vv.EnergyMomentum())
+    fine = surface(step / 20, 20 * steps, vv.BDF2())[1][::20]
+    assert bool(np.abs(found - fine).max() > 0.1 * (850 - fine.min())) is rings
+    assert lines(result).get("changes", "").startswith("WRONG") is rings
+
+
 @pytest.mark.parametrize("wall", ["300 + 100*min(t/0.2, 1)", "300 + 50*sin(10*t)"])
 def test_walls_that_warm_over_some_steps_do_not_ring(wall: str) -> None:
     """Where they hold after that, what lies beside them wavers by a thousandth of what they warmed by."""

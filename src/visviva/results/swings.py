@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-BACK = 0.5
+BACK = 0.15
 """Part of a change by which the next one takes it back."""
 NOISE = 1e-9
 """Part of the field's largest value below which changes are not looked at."""
 UNSOLVED = 1e-11
 """Part of what is a large change for a field, below which Newton's method and rounding leave changes."""
-RINGING = ((2, 0.55, 0.25), (3, 0.2, 0.02), (6, 0.01, 0.002))
+RINGING = ((2, 0.55, 0.25), (3, 0.1, 0.02), (6, 0.01, 0.002))
 """Steps in a row that take back the one before them, by which a run is told to ring, if the least of the last three of
 them is more than these parts of the field's largest change in a step, and of its largest change since the start.
 
