@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ __all__ = ["choose", "join"]
 
 def join() -> World:
     """The processes that MPI has started together; what one of them fails by ends all."""
+    refuse_thread("come together with other processes")
     import mpi4py
 
     if is_ours := "mpi4py.MPI" not in sys.modules:
@@ -29,11 +31,28 @@ def join() -> World:
 
     give_signals_back()
     refuse_unfit()
-    finalize_here(is_ours)
+    come = finalize_here(is_ours)
     world = World(MPI.COMM_WORLD)
     if world.size > 1:
         end_all_together(world)
+    come()
     return world
+
+
+def refuse_thread(what: str) -> None:
+    """Refuse what threads of their own are to do with other processes.
+
+    Raises
+    ------
+    InputError
+    """
+    if threading.current_thread() is not threading.main_thread():
+        from visviva.base.errors import InputError
+
+        raise InputError(
+            f"a thread of its own cannot {what}: in each process threads may come to that in another order, and wait "
+            "for each other for ever; let the main thread do it"
+        )
 
 
 def choose(problem: Problem, given: dict[str, str]) -> Choice:

@@ -7,6 +7,7 @@ import ctypes
 import os
 import signal
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -53,16 +54,27 @@ def end_all_together(world: World) -> None:
     atexit.register(leave)
 
 
-def finalize_here(is_ours: bool) -> None:
+def finalize_here(is_ours: bool) -> Callable[[], None]:
     """Have MPI and PETSc finalized at the end of this process, and not of what it forks, which would wait for others.
 
     Where a script has imported MPI first, MPI is finalized after all of Python, in what is forked as well.
+
+    Returns
+    -------
+    function
+        To be called when all have come together: one that ends before ends all, as others wait for it.
     """
-    own = os.getpid()
+    own, came = os.getpid(), [False]
+
+    def come() -> None:
+        came[0] = True
 
     def finalize() -> None:
         if os.getpid() != own:
             return
+        if not came[0]:
+            sys.stderr.flush()
+            MPI.COMM_WORLD.Abort(1)
         PETSc.garbage_cleanup()  # PETSc's own waits for those that have nothing to let go of
         if is_ours:
             PETSc._finalize()
@@ -77,6 +89,7 @@ def finalize_here(is_ours: bool) -> None:
 
     atexit.register(finalize)
     os.register_at_fork(after_in_child=leave_them)
+    return come
 
 
 def give_signals_back(every: bool = False) -> None:
@@ -86,7 +99,7 @@ def give_signals_back(every: bool = False) -> None:
     """
     for number in signal.valid_signals():
         handler = signal.getsignal(number)
-        if callable(handler) or (every and handler is not None):
+        if callable(handler) or handler is signal.SIG_IGN or (every and handler is not None):
             with suppress(OSError, ValueError):  # some cannot be handled
                 signal.signal(number, handler)
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from visviva.base import errors
 from visviva.base.errors import InputError
+from visviva_petsc import refuse_thread
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
 from visviva_petsc.window import LENGTH, Window
@@ -101,6 +102,7 @@ class World:
             raise InputError(
                 f"a process that was forked is none of the {self.size} that share the systems made before: make its own"
             )
+        refuse_thread(what)
         if asking := errors.called_apart():
             raise InputError(
                 f"{asking} cannot {what}: each process comes to that by itself, and may wait for ever for others that "

@@ -556,3 +556,62 @@ def test_functions_may_count_and_what_differs_is_named(tmp_path: Path) -> None:
     ):
         named = f"Force 'push': force: {name} is 0 in process 0, 1 in process 1. Each"
         assert told.startswith(f"True processes differ: {named}"), told
+
+
+THREADS = """
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import visviva as vv
+
+if sys.argv[1] == "joined":
+    vv.System([vv.PointMass(mass=1.0)])
+
+
+def moved(k):
+    system = vv.System([vv.PointMass(mass=1.0, velocity=(k, 0, 0))])
+    system.step(0.1)
+    return float(system.x[0])
+
+
+with ThreadPoolExecutor(2) as threads:
+    try:
+        print(*(round(x, 9) for x in threads.map(moved, (1, 2))))
+    except vv.InputError as error:
+        print(error)
+"""
+
+
+@pytest.mark.parametrize("kind", ["first", "joined"])
+def test_threads_do_nothing_with_other_processes(kind: str, tmp_path: Path) -> None:
+    """Whose order is another one in each: they waited for each other for ever, or MPI ended them by internal errors."""
+    (tmp_path / "threads.py").write_text(THREADS)
+    one, two = (launched(n, str(tmp_path / "threads.py"), kind, limit=60) for n in (0, 2))
+    assert one.stdout.split() == ["0.1", "0.2"]
+    assert two.returncode == 0, two.stderr
+    assert two.stdout.count("a thread of its own cannot ") == 2
+
+
+EARLY = """
+import os
+
+from visviva_petsc import world
+
+if os.environ["PMI_RANK"] == "1":
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    world.World.__init__ = interrupted
+from visviva.base.world import world as together
+
+together()
+print("through")
+"""
+
+
+def test_an_interrupt_before_all_have_come_together_ends_all(tmp_path: Path) -> None:
+    """One waited for others to finalize MPI, and these for it to come."""
+    (tmp_path / "early.py").write_text(EARLY)
+    done = launched(2, str(tmp_path / "early.py"), limit=60)
+    assert done.returncode != 0
+    assert "through" not in done.stdout

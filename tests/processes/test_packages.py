@@ -297,6 +297,7 @@ block = vv.Solid(mesh=mesh, material=rubber, density=1.0)
 linear = vv.Petsc() if sys.argv[1] == "0" else None
 system = vv.System([block, vv.Gravity()], newton=vv.Newton(linear=linear))
 system.step(0.01)
+os.kill(os.getpid(), signal.SIGPIPE)  # which Python ignores
 os.kill(os.getpid(), signal.SIGTERM)
 print("went on")
 """

@@ -89,6 +89,8 @@ def check(result: vv.Result) -> None:
     entropy = np.array([body.total_entropy(x) for x in result.states])
     assert np.min(np.diff(entropy)) > 0, "entropy fell"
     free = result.ledger["time"] > 1 + 1e-9
+    if not free.any():
+        return
     for name in ("total", *(f"{kind}_{axis}" for kind in ("momentum", "angular") for axis in "xyz")):
         values = result.ledger[name]
         size = max(np.abs(values).max(), 1.0)
