@@ -430,7 +430,7 @@ class Beam(DirectorBody):
             found[name] = np.repeat(ends.reshape(m * k, 3), self._swept.contours.shape[1], axis=0)
         return found
 
-    def widths_at_points(self) -> Mapping[str, int]:
+    def _widths_at_points(self) -> Mapping[str, int]:
         return FIELDS
 
     def at_points(self, name: str, x: Array) -> Array:

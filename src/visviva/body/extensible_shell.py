@@ -310,7 +310,7 @@ class ExtensibleShell(Shell):
             total[stack.cells, :, 6:] = forces[..., [5, 4]].sum(axis=2)
         return list(found.values())
 
-    def widths_at_points(self) -> Mapping[str, int]:
+    def _widths_at_points(self) -> Mapping[str, int]:
         return {**FIELDS, "thickness": 1}
 
     def at_points(self, name: str, x: Array) -> Array:

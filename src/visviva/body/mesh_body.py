@@ -93,11 +93,11 @@ class MeshBody(Attachable, Meshed):
         """Row sums (n,) of the mass matrix."""
         raise NotImplementedError
 
-    def widths_at_points(self) -> Mapping[str, int]:
+    def _widths_at_points(self) -> Mapping[str, int]:
         """Fields that its quadrature points have, by name, with their numbers of components."""
         raise NotImplementedError
 
-    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
+    def _carried(self) -> Mapping[str, Callable[[Array], Array]]:
         """Fields of one component that its nodes carry, by name: values (n,) at the unknowns of the system."""
         return {}
 
@@ -274,14 +274,14 @@ class MeshBody(Attachable, Meshed):
         return self.node_unknowns(np.arange(n)).astype(np.int64), np.ones(n, dtype=bool), self.dimension
 
     # --- what it shows -------------------------------------------------------------------------------------
-    def samples(self, name: str, x: Array) -> Array:
-        return super().samples(name, x) if name in self.carried() else self.at_points(name, x)
+    def _samples(self, name: str, x: Array) -> Array:
+        return super()._samples(name, x) if name in self._carried() else self.at_points(name, x)
 
     def widths(self) -> Mapping[str, int]:
-        return {**self.widths_at_points(), **dict.fromkeys(self.carried(), 1)}
+        return {**self._widths_at_points(), **dict.fromkeys(self._carried(), 1)}
 
     def smoothed(self, names: Sequence[str], x: Array) -> dict[str, Array]:
-        carried = self.carried()
+        carried = self._carried()
         others = self._smoothed(tuple(n for n in names if n not in carried), x)
         return others | {n: carried[n](x) for n in names if n in carried}
 

@@ -393,7 +393,7 @@ class Shell(DirectorBody):
             total += float((part.rule.weights * size).sum())
         return total
 
-    def widths_at_points(self) -> Mapping[str, int]:
+    def _widths_at_points(self) -> Mapping[str, int]:
         return FIELDS | dict.fromkeys(FACES, 3)
 
     def at_points(self, name: str, x: Array) -> Array:

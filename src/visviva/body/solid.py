@@ -355,7 +355,7 @@ class Solid(MeshBody):
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
         return evaluated(self._elements, x, self.body_material, self.formulation, self._energy)
 
-    def widths_at_points(self) -> Mapping[str, int]:
+    def _widths_at_points(self) -> Mapping[str, int]:
         return {name: width for name, (width, _) in QUANTITIES.items()}
 
     def _whole(self, values: Sequence[Array], numbers: Sequence[Ints]) -> Array:

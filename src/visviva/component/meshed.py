@@ -107,7 +107,7 @@ class Meshed(Component):
             )
         return self.smoothed([name], x)[name]
 
-    def samples(self, name: str, x: Array) -> Array:
+    def _samples(self, name: str, x: Array) -> Array:
         """A field (m, components) where it is known best: at nodes, of strains and stresses at quadrature points."""
         values = self.nodal(name, x)
         return values.reshape(len(values), -1)

@@ -175,7 +175,7 @@ class Extreme(Reading):
 
     def __call__(self, system: System) -> Any:
         whole, part = within(self.field)
-        values = self.solid.samples(whole, system.x)
+        values = self.solid._samples(whole, system.x)
         found = values.max(axis=0) if self.which == "max" else values.min(axis=0)
         return float(found[part or 0]) if width_of(self.solid, self.field) == 1 else found
 

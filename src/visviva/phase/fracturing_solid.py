@@ -367,8 +367,8 @@ class FracturingSolid(Solid):
             total += float((part.volume * self.law.crack_energy(d @ part.N.T, slope)).sum())
         return total
 
-    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
-        return {**super().carried(), "damage": self.damages}
+    def _carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super()._carried(), "damage": self.damages}
 
 
 STRETCHED = 1.5

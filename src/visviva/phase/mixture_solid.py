@@ -174,7 +174,7 @@ class MixtureSolid(Limited, Solid):
         """Points where concentrations leave no length or stiffness, or the mobility."""
         c = self.coefficients(x)
         lost = first_point(self.label, self.space, c, lambda values: self._least(values) <= 0, self._said)
-        self.chemistry.refuse_thin_beyond(c)
+        self.chemistry._refuse_thin_beyond(c)
         return lost or missed_mobility(self.chemistry, self.label, c) or super().invalid(x)
 
     def _stiffness(self, off: Array) -> Array:
@@ -321,5 +321,5 @@ class MixtureSolid(Limited, Solid):
         parts = ((p.volume * p.fields(x, 0, len(p.nodes))[..., 15]).sum() for p in self._stressed)
         return float(sum(parts))
 
-    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
-        return {**super().carried(), "concentration": self.values, "potential": self.potentials}
+    def _carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super()._carried(), "concentration": self.values, "potential": self.potentials}

@@ -179,7 +179,7 @@ class PhaseBody(Limited, Meshed):
             f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
         )
 
-    def refuse_thin_beyond(self, c: Array) -> None:
+    def _refuse_thin_beyond(self, c: Array) -> None:
         """Refuse thin interfaces between phases that are too far from the start to be seen from there.
 
         What bends down separates: where coefficients `c` do so for the first time, phases are looked for about these,
@@ -358,7 +358,7 @@ class PhaseBody(Limited, Meshed):
     def invalid(self, x: Array) -> str:
         """Points where its mobility is not the user's."""
         c = self.coefficients(self.phase, x)
-        self.refuse_thin_beyond(c)
+        self._refuse_thin_beyond(c)
         return missed_mobility(self, self.label, c)
 
     @property

@@ -355,8 +355,8 @@ class ThermalBeam(Beam, HeatCarrier):
         """Of the whole body at the unknowns `x` of the system."""
         return float(self._content @ x[self._means])
 
-    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
-        return {**super().carried(), "temperature": self.temperatures}
+    def _carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super()._carried(), "temperature": self.temperatures}
 
     def resultants(self, x: Array) -> Array:
         """Forces and moments (m, q, 6) in the sections, with those that heat leaves."""

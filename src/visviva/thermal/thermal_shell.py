@@ -418,5 +418,5 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         """Of the whole body at the unknowns `x` of the system."""
         return float(self._content @ x[self.entropy.start : self.entropy.start + self.entropy.size])
 
-    def carried(self) -> Mapping[str, Callable[[Array], Array]]:
-        return {**super().carried(), "temperature": self.temperatures}
+    def _carried(self) -> Mapping[str, Callable[[Array], Array]]:
+        return {**super()._carried(), "temperature": self.temperatures}
