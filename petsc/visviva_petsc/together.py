@@ -60,9 +60,7 @@ class Together:
         error: BaseException | None = None
         try:
             found = do(*given)
-        except (
-            BaseException
-        ) as failure:  # the others, which may be left within, shall not wait for what comes after
+        except BaseException as failure:  # whatever it is, others may be left within and wait for ever
             error = failure
         self.message = self.solver.message
         failures = told_by_all(error)

@@ -78,7 +78,7 @@ class PhaseBody(Limited, Meshed):
     _resolved: frozenset[int] = frozenset()
     """Temperatures, counted by their logarithm, at which interfaces are known to be wide enough."""
     _seen: tuple[tuple[float, float], ...] = ()
-    """Where phases of a function have been looked for on the way."""
+    """Where phases have been looked for on the way."""
     cure = "take a mesh of cells without nodes between their corners"
     """Of logarithms that act inside of elements only."""
     lumps = True
@@ -168,22 +168,23 @@ class PhaseBody(Limited, Meshed):
                 f"{self.label}: {error}; it starts between {self._start[0]:g} and {self._start[1]:g}: let it have "
                 "values there and in between, or take vv.FloryHuggins or vv.RegularSolution for logarithms"
             ) from None
-        if found is not None and self._is_thin(found):
-            raise InputError(self._too_thin(found, f" at t = {time:g}" if time else ""))
+        self._refuse_thin(found, f" at t = {time:g}" if time else "")
 
-    def _too_thin(self, found: Interface, when: str) -> str:
+    def _refuse_thin(self, found: Interface | None, where: str) -> None:
+        if found is None or not self._is_thin(found):
+            return
         wider = 2 * self.space.spacing / found.width
-        return (
-            f"{self.label}: an interface is {found.width:.3g} wide{when}, the distance of its nodes "
+        raise InputError(
+            f"{self.label}: an interface is {found.width:.3g} wide{where}, the distance of its nodes "
             f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
             f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
         )
 
     def _refuse_thin_beyond(self, c: Array) -> None:
-        """Refuse thin interfaces between phases that are too far from the start to be seen from there.
+        """Refuse thin interfaces between phases that are not those nearest to the start, or not seen from there.
 
-        What bends down separates: where coefficients `c` do so for the first time, phases are looked for about these,
-        of functions and of polynomials that fall for ever.
+        What bends down separates: where it does so between the least and the largest of coefficients `c` for the first
+        time, phases are looked for about that.
 
         Raises
         ------
@@ -195,9 +196,10 @@ class PhaseBody(Limited, Meshed):
         if at is None:
             return
         found, way = self._interface_of(self.free_energy, (at, at)), ABOUT * max(float(np.ptp(c)), abs(at))
-        if found is not None and self._is_thin(found):
-            raise InputError(self._too_thin(found, f", between {found.low:.6g} and {found.high:.6g}"))
-        self._seen = (*self._seen, (at - way, at + way), *([(found.low, found.high)] if found else []))
+        if found is not None:
+            self._refuse_thin(found, f", between {found.low:.6g} and {found.high:.6g}")
+            self._seen = (*self._seen, (found.low, found.high))
+        self._seen = (*self._seen, (at - way, at + way))
 
     @cached_property
     def _sees_all(self) -> bool:
