@@ -89,3 +89,60 @@ def test_refusals(make: Any, words: str) -> None:
     )
     with pytest.raises(vv.InputError, match=words):
         make(a, b)
+
+
+def pair(count: int, strength: float, kappas: tuple[float, float] = (0.5, 0.5)) -> list[Any]:
+    """Two grains and what keeps them apart, on a strip of cells of 8 / count, whose own interfaces are 2 wide."""
+    mesh = vv.RectangleMesh(size=(8, 8 / count), counts=(count, 1), origin=(-4, 0))
+    bodies = [
+        vv.AllenCahn(
+            mesh=mesh,
+            free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, -0.5, 0.0, 0.25)),
+            gradient_energy=kappa,
+            order=lambda X, sign=sign: 0.5 + 0.5 * sign * np.tanh(X[:, 0]),
+            name=f"grain {sign}",
+        )
+        for kappa, sign in zip(kappas, (1, -1), strict=True)
+    ]
+    return [*bodies, vv.Exclusion(bodies=bodies, strength=strength)]
+
+
+@pytest.mark.parametrize(("strength", "kappas"), [(4.0, (0.5, 0.5)), (20.0, (0.5, 0.5)), (20.0, (0.5, 0.2))])
+def test_boundaries_of_strong_exclusion_that_two_cells_do_not_resolve_are_refused(
+    strength: float, kappas: tuple[float, float]
+) -> None:
+    """Their widths were those of each free energy alone: at 2.02 cells of that tensions were off by 2 to 12 %."""
+    components = pair(160, strength, kappas)
+    system = vv.System(components)
+    vv.simulate(system, until=20.0, step=0.5)
+    profiles = np.array([body.values(system.x) for body in components[:2]])
+    profiles = profiles[:, np.argsort(components[0].points[:, 0], kind="stable")][:, ::2]
+    slopes = np.abs(np.diff(profiles)).max(axis=1) / 0.05
+    width = (np.ptp(profiles, axis=1) / slopes).min()
+    pair(int(np.ceil(1.02 * 2 * 8 / width)), strength, kappas)
+    with pytest.raises(
+        vv.InputError, match=f"with strength = {strength:g} .* less than two cells"
+    ) as refused:
+        pair(int(np.floor(0.98 * 2 * 8 / width)), strength, kappas)
+    assert float(str(refused.value).split(" wide")[0].split()[-1]) == pytest.approx(width, rel=0.02)
+
+
+@pytest.mark.parametrize("strength", [0.4, 1.5])
+def test_boundaries_that_two_cells_resolve_pass(strength: float) -> None:
+    """Those of 1.5 are as wide as each one's own interface, and weaker ones are none."""
+    pair(8, strength)
+
+
+@pytest.mark.parametrize(
+    ("temperature", "when"),
+    [([[0, 1.0], [10, 0.8]], r"at t = 10,"), (lambda t: 1 - 0.02 * t, r"at t = \d")],
+    ids=["table", "function"],
+)
+def test_boundaries_that_become_too_thin_are_refused(temperature: Any, when: str) -> None:
+    """What cools, though the interface that each free energy has by itself stays wide enough."""
+    alloy = vv.RegularSolution(temperature=temperature, excess=(3.0,), standard=(0.0, -1.0), gas_constant=1.0)
+    mesh = vv.RectangleMesh(size=(7.3, 0.365), counts=(20, 1))
+    starts = [lambda X, sign=sign: 0.5 + 0.4 * sign * np.tanh(X[:, 0] - 3.65) for sign in (1, -1)]
+    bodies = [vv.AllenCahn(mesh=mesh, free_energy=alloy, gradient_energy=0.5, order=o) for o in starts]
+    with pytest.raises(vv.InputError, match=f"wide {when}.* less than two cells"):
+        vv.simulate(vv.System([*bodies, vv.Exclusion(bodies=bodies, strength=10.0)]), until=10.0, step=0.5)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +16,20 @@ from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
+from visviva.phase.free_energy import temperature_at
+from visviva.phase.interface import LEVEL
+from visviva.phase.phase_body import WARMER
+from visviva.phase.shared_boundary import Side, widths
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
 
 Array = NDArray[np.float64]
+
+ROUGHLY = 0.01
+"""To which widths of boundaries are known."""
+ABSENT = 0.1
+"""Of the values of an order parameter, up to which it counts as 0."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -34,7 +44,7 @@ class Exclusion(Component):
     bodies : list of AllenCahn
         Two at least.
     strength : float
-        Per volume.
+        Per volume. The larger it is, the thinner are boundaries; those that less than two cells resolve are refused.
 
     Notes
     -----
@@ -85,6 +95,28 @@ class Exclusion(Component):
                     f"{self.label}: {first.label} has thickness = {first.thickness:g}, {other.label} "
                     f"{other.thickness:g}: what excludes each other fills the same volume; give both the same"
                 )
+        for time in sorted({0.0, *(t for body in self.bodies for t in body.free_energy.turns)}):
+            self._refuse_thin(time)
+        self._resolved: frozenset[tuple[int, ...]] = frozenset({()})
+
+    def _refuse_thin(self, time: float) -> None:
+        """Refuse boundaries that less than two cells resolve; of pairs that are alike one is looked at."""
+        seen: list[tuple[Side, Side]] = []
+        spacing, when = self.bodies[0].space.spacing, f" at t = {time:g}" if time else ""
+        for one, other in combinations(self.bodies, 2):
+            for sides in across(one, other, time):
+                if sides in seen:
+                    continue
+                seen.append(sides)
+                width = float(widths(sides, self.strength).min())
+                wider = 2 * spacing / width
+                if wider > 1 + ROUGHLY:
+                    raise InputError(
+                        f"{self.label}: with strength = {self.strength:g} the boundary of {one.label} and "
+                        f"{other.label} is {width:.3g} wide{when}, the distance of their nodes {spacing:.3g}: less "
+                        f"than two cells resolve it; take cells of {width / 4:.2g}, a smaller strength, or gradient "
+                        f"energies {wider * wider:.3g} times as large"
+                    )
 
     def announce(self, model: Model) -> None:
         for body in self.bodies:
@@ -95,7 +127,33 @@ class Exclusion(Component):
             model.index(body)
         for table in self.bodies[0].space.cells():
             starts = [body.phase.start for body in self.bodies]
-            model.term(self, Products(table, starts, self.strength))
+            model.term(self, Products(table, starts, self.strength, self._watch))
+
+    def _watch(self, time: float) -> None:
+        """Refuse boundaries that are too thin at a time: they are looked at once for all temperatures nearby."""
+        heated = [body.free_energy for body in self.bodies if body.free_energy.changes]
+        now = tuple(int(np.floor(np.log(temperature_at(energy, time)) / WARMER)) for energy in heated)
+        if now not in self._resolved:
+            self._refuse_thin(time)
+            self._resolved |= {now}
+
+
+def across(one: AllenCahn, other: AllenCahn, time: float) -> Iterator[tuple[Side, Side]]:
+    """Both sides of the boundary of two order parameters, in principal directions of their gradient energies."""
+    for direction in np.hstack([np.linalg.eigh(body._stiffness)[1] for body in (one, other)]).T:
+        yield side(one, direction, time), side(other, direction, time)
+
+
+def side(body: AllenCahn, direction: Array, time: float) -> Side:
+    """An order parameter on its side of a boundary across a direction at a time."""
+    values: tuple[float, ...] = (float(body.start_values.min()), float(body.start_values.max()))
+    if (found := body.interface(time)) is not None:
+        values = found.low, found.high
+        if max(abs(found.low + found.high) / (found.high - found.low), abs(found.tilt)) < LEVEL:
+            values = values[1:]  # the other is its mirror image
+    most = max(abs(c) for c in values)
+    present = tuple(c for c in values if abs(c) > ABSENT * most)
+    return Side(body.free_energy.at(time), float(direction @ body._stiffness @ direction), present)
 
 
 class Products(Term):
@@ -103,9 +161,11 @@ class Products(Term):
 
     kind = "exclusion"
 
-    def __init__(self, table: Table, starts: Sequence[int], strength: float) -> None:
+    def __init__(
+        self, table: Table, starts: Sequence[int], strength: float, watch: Callable[[float], None]
+    ) -> None:
         super().__init__()
-        self.table, self.n, self.strength = table, len(starts), strength
+        self.table, self.n, self.strength, self.watch = table, len(starts), strength, watch
         self.unknowns = np.hstack([start + table.numbers for start in starts]).astype(np.int32)
         self.order = np.ones(self.unknowns.shape[1], dtype=np.int32)
 
@@ -119,6 +179,7 @@ class Products(Term):
         return np.asarray(self.strength * np.einsum("mq,mq->m", self.table.size, pairs))
 
     def residual(self, s: Stencils) -> Array:
+        self.watch(s.step.te)
         double, others, _, _ = self.parts(s)
         forces = self.strength * self.table.size[:, None] * double * others
         return np.asarray(np.einsum("mnq,mqk->mnk", forces, self.table.N)).reshape(s.x1.shape)

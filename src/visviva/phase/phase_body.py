@@ -151,14 +151,15 @@ class PhaseBody(Limited, Meshed):
         return self._found[1]
 
     def _interface_of(self, energy: FreeEnergy, start: tuple[float, float] | None = None) -> Interface | None:
-        stiffnesses = self._stiffnesses()
+        stiffnesses = np.linalg.eigvalsh(self._stiffness)
         found = interface(energy, float(stiffnesses.min()), start or self._start)
         return found and replace(found, alike=bool(np.ptp(stiffnesses) <= 1e-12 * stiffnesses.max()))
 
-    def _stiffnesses(self) -> Array:
-        """Principal values of its gradient energy in the directions of its mesh."""
+    @property
+    def _stiffness(self) -> Array:
+        """Its gradient energy (d, d) in the directions of its mesh."""
         d = self.grid.points.shape[1]
-        return np.asarray(np.linalg.eigvalsh(full(self._tensor)[:d, :d]))
+        return full(self._tensor)[:d, :d]
 
     def _refuse_thin_interface(self, time: float) -> None:
         try:
