@@ -547,9 +547,19 @@ def test_an_old_petsc_is_refused_in_a_sentence(tmp_path: Path) -> None:
 def test_more_threads_than_cores_are_said(n: int, tmp_path: Path) -> None:
     script = tmp_path / "threads.py"
     script.write_text(
-        "import visviva as vv\nfrom visviva.base.threads import n_cores\nfrom visviva.base.world import world\n"
-        "vv.use_threads(n_cores())\nworld()\n"
+        "import visviva as vv\nfrom visviva.base.threads import n_cores\n"
+        "vv.use_threads(n_cores())\n"
+        "for _ in range(2):\n    vv.System([vv.PointMass(mass=1.0, position=(0, 0, 0))])\n"
     )
     done = launched(n, str(script))
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("they wait for each other: ") == n - 1
+
+
+def test_threads_given_on_the_command_line_are_counted(tmp_path: Path) -> None:
+    """Processes come together before the command is read."""
+    run = ("-m", "visviva", "run", "pendulum", "--until", "0.01", "--no-movie", "--no-pictures", "--out")
+    for threads, told in ((1, 0), (8, 1)):
+        done = launched(2, *run, str(tmp_path / f"{threads}"), "--threads", f"{threads}")
+        assert done.returncode == 0, done.stderr
+        assert (done.stdout + done.stderr).count("they wait for each other: ") == told

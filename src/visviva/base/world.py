@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from functools import partial
+from functools import cache, partial
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
@@ -127,7 +127,6 @@ def world() -> World:
     """
     if not _joined:
         _joined.append(_found())
-        _tell_crowds(_joined[0])
         os.register_at_fork(after_in_child=partial(_joined.__setitem__, 0, Alone()))
     return _joined[0]
 
@@ -178,12 +177,13 @@ def _found() -> World:
     return joined if joined.size > 1 else Alone()
 
 
-def _tell_crowds(joined: World) -> None:
-    if joined.size > 1:
-        with joined.doing("count threads and cores"):
-            found = crowds(joined.together(here()))
-        for line in found:
-            announce(line)
+@cache
+def tell_crowds() -> None:
+    """Say once, where a first system is composed, on which machines threads have to wait for each other."""
+    with world().doing("count threads and cores"):
+        found = crowds(world().together(here()))
+    for line in found:
+        announce(line)
 
 
 def brought(what: str) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 import visviva as vv
 
 ROOM = 293.15
+CAPACITY = 1.8e6
 
 
 def study(
@@ -23,7 +24,7 @@ def study(
         mesh=vv.BoxMesh(size=(1, 1, 1), counts=counts, origin=(0, 0, height)),
         material=vv.NeoHooke(young=3e5, poisson=0.4),
         density=1000.0,
-        heat=vv.Heat(conductivity=0.2, capacity=1.8e6, expansion=1e-4, reference=ROOM),
+        heat=vv.Heat(conductivity=0.2, capacity=CAPACITY, expansion=1e-4, reference=ROOM),
         branches=vv.prony((0.5,), (0.05,), shift=vv.Arrhenius(energy=40e3, reference=ROOM)),
         name="block",
     )
@@ -50,5 +51,6 @@ def check(result: vv.Result) -> None:
     (block,) = (c for c in result.system.components if isinstance(c, vv.ThermoviscoelasticSolid))
     result.assert_conserved("energy", tolerance=1e-9)
     entropy = np.array([block.total_entropy(x) for x in result.states])
-    assert np.min(np.diff(entropy)) > -1e-12 * np.ptp(entropy), "entropy fell"
-    assert block.temperatures(result.states[-1]).mean() > ROOM, "the block did not warm"
+    assert np.min(np.diff(entropy)) > -1e-12 * CAPACITY, "entropy fell"
+    if np.abs(result.ledger["work_dissipated"]).max() > 1.0:  # it has come to the ground
+        assert block.temperatures(result.states[-1]).mean() > ROOM, "the block did not warm"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import visviva
 from visviva.base.errors import InputError
 from visviva.base.told import Teller, arguments_of, digest_of, shortened
-from visviva.base.world import world
+from visviva.base.world import tell_crowds, world
 from visviva.component.component import Component
 
 if TYPE_CHECKING:
@@ -85,6 +85,7 @@ def refuse_different(components: Sequence[Component], newton: Newton) -> None:
     """
     if world().size == 1:
         return
+    tell_crowds()
     names, untold, to = names_of(components), list[str](), "compose a system"
     compare(
         {
