@@ -125,22 +125,30 @@ struct MixtureEnergy : PlainEnergy {
     }
 };
 
-/// f(c) alone, of a wall.
+/// f(c) alone, of a wall; constant beyond its ends.
 struct WallEnergy : PlainEnergy {
-    static constexpr int n = 1, max_par = mixture::gradient;
+    static constexpr int n = 1, low = mixture::gradient, high = low + 1, max_par = high + 1;
     const V* p;
     explicit WallEnergy(const V* par) : p(par) {}
+    V inside(V c) const { return select(c < p[low], p[low], select(c > p[high], p[high], c)); }
     template <bool second>
     void evaluate(const V* e, Potential<n>& to) const {
-        const ChemicalEnergy f(e[0], p);
-        to.W = f.value, to.s[0] = f.first;
-        if (second) to.d[0] = f.second;
+        const V c = inside(e[0]);
+        const ChemicalEnergy f(c, p);
+        to.W = f.value, to.s[0] = select(c == e[0], f.first, V{});
+        if (second) to.d[0] = select(c == e[0], f.second, V{});
     }
+    /// That between the ends times the share of the way that is there.
     template <bool tangent>
     void discrete_gradient(const V* e0, const V* e1, V* s, V* T) const {
-        V slope;
-        chemical_quotient(e0[0], e1[0], p, s[0], slope);
-        if (tangent) T[0] = slope;
+        const V c0 = inside(e0[0]), c1 = inside(e1[0]), way = e1[0] - e0[0];
+        const V counts = select(c1 == e1[0], broadcast(1.0), V{}),
+                safe = select(way == 0.0, broadcast(1.0), way);
+        const V share = select(way == 0.0, counts, (c1 - c0) / safe);
+        V quotient, slope;
+        chemical_quotient(c0, c1, p, quotient, slope);
+        s[0] = quotient * share;
+        if (tangent) T[0] = slope * counts * share + quotient * (counts - share) / safe;
     }
 };
 

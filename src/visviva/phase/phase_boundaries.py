@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
@@ -23,9 +22,10 @@ from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
 from visviva.phase.cahn_hilliard import CahnHilliard
 from visviva.phase.exclusion import Exclusion
-from visviva.phase.free_energy import FreeEnergy, PolynomialEnergy
+from visviva.phase.free_energy import FreeEnergy
 from visviva.phase.interface import unclear
 from visviva.phase.mixture_solid import MixtureSolid
+from visviva.phase.wall_energy import CLOSE, WallEnergy, wall_at
 from visviva.thermal.boundaries import Values
 
 if TYPE_CHECKING:
@@ -63,8 +63,10 @@ class Wetting(Component):
 
     Notes
     -----
-    An angle gives the energy ``-tension cos(angle) (3 s^2 - 2 s^3)``, where s is 0 in the phase of low and 1 in that of
-    high concentration. For a double well this leaves the flat interface its profile up to the wall.
+    An angle gives an energy of the slope ``-cos(angle) sqrt(2 kappa df)`` between the phases, with the free energy df
+    above them, and of none beyond: so the flat interface keeps its profile up to the wall. For a double well that is
+    ``-tension cos(angle) (3 s^2 - 2 s^3)``, where s is 0 in the phase of low and 1 in that of high concentration; for
+    others the square root is fitted. Where that makes another angle it is refused.
 
     Examples
     --------
@@ -102,9 +104,13 @@ class Wetting(Component):
             raise InputError(
                 f"{self.label}: the energy of a wall is a polynomial of the core; take vv.PolynomialEnergy"
             )
-        self.wall_energy = self._by_angle(self.angle) if self.energy is None else self.energy
+        self.wall_energy = (
+            self._by_angle(self.angle)
+            if self.energy is None
+            else WallEnergy(self.energy.polynomial, self.energy.centre)
+        )
 
-    def _by_angle(self, angle: Any) -> FreeEnergy:
+    def _by_angle(self, angle: Any) -> WallEnergy:
         if self.body.free_energy.changes:
             raise InputError(
                 f"{self.label}: the free energy of {self.body.label} changes in time, and with it what an angle stands "
@@ -125,10 +131,14 @@ class Wetting(Component):
                 f"{self.label}: the free energy of {self.body.label} {why}; what an angle stands for it does not tell: "
                 "give an energy"
             )
-        centre, apart = 0.5 * (found.low + found.high), found.high - found.low
-        s = Polynomial([0.5, 1 / apart])
-        share = -found.tension * np.cos(np.radians(angle)) * (3 * s**2 - 2 * s**3)
-        return PolynomialEnergy(coefficients=tuple(float(a) for a in share.coef), centre=centre)
+        made, becomes = wall_at(angle, self.body.free_energy, found)
+        if abs(np.cos(np.radians(becomes)) - np.cos(np.radians(angle))) > CLOSE:
+            raise InputError(
+                f"{self.label}: with angle = {angle:g} interfaces would meet the wall at {becomes:.3g} degrees, as no "
+                f"polynomial comes near enough to the free energy of {self.body.label}; take an angle nearer to 90, or "
+                "give an energy"
+            )
+        return made
 
     def declare(self, model: Model) -> None:
         if self.angle is not None and (others := model.announced(self.body, Exclusion)):
