@@ -85,7 +85,7 @@ def test_a_ramp_takes_what_goes_into_it(radius: float, scheme: str, restitution:
     """(cos a)^2 + (e sin a)^2 of the energy is left, wherever in the step the ramp begins; .95 was, or 3."""
     a = np.radians(degrees)
     share = np.cos(a) ** 2 + (restitution * np.sin(a)) ** 2
-    for aside, step, fraction in itertools.product((0.0, 0.3), (0.02, 0.01), FRACTIONS):
+    for (aside, step), fraction in itertools.product(((0.0, 0.02), (0.3, 0.01)), FRACTIONS):
         place = (-0.04 - fraction * step - radius * np.tan(a / 2), 0.01, radius)
         moves = {"mass": 1.0, "position": place, "velocity": (1.0, aside, 0.0)}
         rider: Any = (
