@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from scipy.interpolate import PchipInterpolator, interp1d
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import entr
@@ -176,6 +177,20 @@ def test_phases_that_last_without_a_well_are_others(raised: float) -> None:
     assert found is not None
     assert (found.low, found.high) == pytest.approx((0, 3), abs=1e-9)
     assert not found.alone
+
+
+@pytest.mark.parametrize("soft", [0.1, 1e-3])
+def test_phases_far_from_where_a_polynomial_bends_down(soft: float) -> None:
+    """It bends down between 0.44 and 0.88; a phase of 0 was not found, and no interface was too thin."""
+    one, mesh = Polynomial([0.0, 1.0]), vv.RectangleMesh(size=(8, 1), counts=(16, 2))
+    energy = vv.PolynomialEnergy(coefficients=tuple((one**2 * (1 - one) ** 2 * (soft + 3 * one**2)).coef))
+    c = np.linspace(0, 1, 10001)
+    width = np.sqrt(1.0 / (2 * np.max(energy.values(c))))
+    found = vv.AllenCahn(mesh=mesh, free_energy=energy, gradient_energy=1.0, order=0.6).interface()
+    assert found is not None
+    assert (found.low, found.high, found.width) == pytest.approx((0.0, 1.0, width), abs=1e-6)
+    with pytest.raises(vv.InputError, match="less than two cells resolve it"):
+        vv.AllenCahn(mesh=mesh, free_energy=energy, gradient_energy=0.99 * width**-2, order=0.6)
 
 
 @pytest.mark.parametrize("temperature", [900.0, 999.0, 999.9])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from visviva.base.errors import NotFinite, RunError
@@ -188,8 +189,27 @@ def bounds(energy: FreeEnergy) -> list[Pair]:
         return [(low + EDGE, high - EDGE)]
     if isinstance(energy, UserFreeEnergy) or not is_bounded(energy):
         return []
-    low, high = spinodals(energy) or (-1.0, 1.0)
-    return [(2 * low - high, 2 * high - low)]
+    return [around(energy, *(spinodals(energy) or (-1.0, 1.0)))]
+
+
+def around(energy: FreeEnergy, low: float, high: float) -> Pair:
+    """What common tangents of a polynomial can touch, which bends up below and above two compositions.
+
+    They are no steeper, and no less steep, than it is somewhere in between.
+    """
+    slope = energy.polynomial.deriv()
+    first, last = low - energy.centre, high - energy.centre
+    turns = [c for c in real_roots(slope.deriv()) if first < c < last]
+    steep = slope(np.array([first, *turns, last]))
+    least = real_roots(slope - steep.min()).min(initial=first) + energy.centre
+    most = real_roots(slope - steep.max()).max(initial=last) + energy.centre
+    return float(least + low - high), float(most + high - low)
+
+
+def real_roots(polynomial: Polynomial) -> Array:
+    """Those without an imaginary part but for rounding, in order."""
+    roots = polynomial.roots()
+    return np.sort(roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots).max(initial=0.0)])
 
 
 def windows(energy: FreeEnergy, start: Pair) -> Iterator[Look]:
@@ -219,8 +239,7 @@ def is_bounded(energy: FreeEnergy) -> bool:
 def spinodals(energy: FreeEnergy) -> Pair | None:
     """The outermost compositions that a polynomial is concave between; None if it is nowhere."""
     bend = energy.polynomial.deriv(2)
-    roots = bend.roots()
-    found = np.sort(roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots).max(initial=0.0)])
+    found = real_roots(bend)
     if len(found) < 2 or not np.min(bend(0.5 * (found[1:] + found[:-1]))) < 0:
         return None
     return float(found[0] + energy.centre), float(found[-1] + energy.centre)
