@@ -103,10 +103,13 @@ def test_free_strains_are_those_of_the_nodes(strain: Any) -> None:
         vv.System([solid])
 
 
-def test_coarse_cells_are_told_before_the_first_step() -> None:
-    """Between one length and half of it they add to the toughness, and the check says how much."""
-    coarse = vv.FracturingSolid(**{**GOOD, "length": 0.15})
-    assert "larger than half the length 0.15" in str(vv.System([coarse]).check())
+@pytest.mark.parametrize(("model", "share"), [("AT1", 25), ("AT2", 33)])
+def test_coarse_cells_are_told_before_the_first_step(model: str, share: int) -> None:
+    """Between one length and half of it they add to the toughness, ``3 h / 8 l`` or ``h / 2 l``, as the check says."""
+    coarse = vv.FracturingSolid(**{**GOOD, "length": 0.15, "model": model})
+    told = str(vv.System([coarse]).check())
+    assert "larger than half the length 0.15" in told
+    assert f"costs {share} % more" in told
     fine = vv.FracturingSolid(**GOOD)
     assert not fine.remarks()
 

@@ -600,9 +600,12 @@ def test_thin_interfaces_far_from_the_start_are_refused_on_the_way(
         return vv.System([body, inflow, *held])
 
     system = driven(0.02)
-    with pytest.raises(vv.InputError, match=r"an interface is 0\.02 wide, between .*less than two cells"):
+    with pytest.raises(
+        vv.InputError, match=r"an interface is 0\.02 wide, between .*less than two cells"
+    ) as refused:
         vv.simulate(system, until=1.0, step=0.02, scheme=vv.BackwardEuler())
     assert 0.5 < system.time < 1.0  # where it has come to them
+    assert str(refused.value).endswith(f"in the step from t = {system.time:g} to {system.time + 0.02:g}")
     system = driven(0.2)
     vv.simulate(system, until=1.0, step=0.02, scheme=vv.BackwardEuler())
     assert system.time == 1.0

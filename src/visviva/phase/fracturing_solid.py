@@ -24,7 +24,7 @@ from visviva.mesh.cells import CELLS
 from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Role
 from visviva.model.points import Group, PhysicsKind, add_points
-from visviva.phase.crack_law import CrackLaw, Irreversibility, Model, SplitName
+from visviva.phase.crack_law import NORMALISED, CrackLaw, Irreversibility, Model, SplitName
 
 if TYPE_CHECKING:
     from visviva.model.model import Model as Equations
@@ -237,10 +237,11 @@ class FracturingSolid(Solid):
         sizes = [lengths(self.grid.points, nodes, cell) for cell, nodes in self.grid.cells.items()]
         finest = min(float(s.min()) for s in sizes)
         if finest > 0.5 * self.length * (1 + 1e-9):
+            more = 100 * finest / (NORMALISED[self.model] * self.length)
             return [
                 f"{self.label}: its finest cells, {finest:.3g} long, are larger than half the length {self.length:g} "
-                f"of a crack, which costs {100 * finest / (2 * self.length):.0f} % more if it crosses them that way; "
-                "damages of AT1 may exceed 1"
+                f"of a crack, which costs {more:.0f} % more if it crosses them that way"
+                f"{'; damages may exceed 1' if self.model == 'AT1' else ''}"
             ]
         return []
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.errors import NotFinite
+from visviva.base.errors import InputError, NotFinite
 from visviva.component.limited import Limited
 from visviva.system.agreement import stepping
 from visviva.system.growing import refuse_imbalance, watches
@@ -93,8 +93,20 @@ def invalid(system: System) -> str:
 
 
 def refuse_invalid(system: System, step: Any) -> None:
-    """Fail a step whose equations are solved by a state at which they mean nothing."""
-    if invalid(system):
+    """Fail a step whose equations are solved by a state at which they mean nothing.
+
+    Raises
+    ------
+    InputError
+        If no shorter step would do: what some component refuses there.
+    """
+    try:
+        found = invalid(system)
+    except InputError as error:
+        raise InputError(
+            f"{error}; come to in the step from t = {system.time:.6g} to {step.t1:.6g}"
+        ) from error
+    if found:
         raise StepFailure(system, system.time, step.h, GivenUp("it ends where equations mean nothing"))
 
 
