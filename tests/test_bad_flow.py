@@ -160,3 +160,26 @@ def test_backflow_that_blows_up_is_told_of() -> None:
         vv.simulate(system, until=2.0, step=0.05)
     assert 0.1 < system.time < 0.5
     assert np.isfinite(system.x).all()
+
+
+@pytest.mark.parametrize("start", [1.0, 0.0])
+@pytest.mark.parametrize(
+    "shape",
+    [lambda x: x > x.max() - 0.3, lambda x: x - x.mean(), lambda x: np.full(len(x), 1.0 / len(x))],
+    ids=["last", "mean", "length"],
+)
+def test_a_body_force_that_looks_at_other_points_is_refused(shape: Any, start: float) -> None:
+    """Processes ask it of their own points: a fan at the end of a channel blew a third more with two of them."""
+    mesh = vv.RectangleMesh(size=(2, 1), counts=(4, 2), cell="quad9")
+
+    def fan(t: float, X: Any) -> Any:
+        return (start + t) * shape(X[:, 0])[:, None] * [1.0, 0.0, 0.0]
+
+    def pushed() -> None:
+        fluid = water(mesh=mesh, body_force=fan)
+        vv.simulate(vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")]), until=0.1, step=0.1)
+
+    with pytest.raises(
+        vv.InputError, match=r"'water': its body force at .* of this point alone .* X.mean\(\)"
+    ):
+        pushed()

@@ -6,6 +6,9 @@ import sys
 import threading
 from typing import TYPE_CHECKING
 
+from visviva.base.errors import InputError
+from visviva_petsc.ending import Ending
+
 if TYPE_CHECKING:
     from visviva.linear.choice import Choice, Problem
     from visviva_petsc.world import World
@@ -13,7 +16,10 @@ if TYPE_CHECKING:
 __version__ = "0.2.0"
 SEAM = 3
 """Version of visviva's ``base/world.py`` that this package goes with."""
-__all__ = ["choose", "join"]
+__all__ = ["choose", "end", "join"]
+
+
+_endings: list[Ending] = []
 
 
 def join() -> World:
@@ -23,20 +29,36 @@ def join() -> World:
 
     if is_ours := "mpi4py.MPI" not in sys.modules:
         mpi4py.rc.finalize = False
+    ending = Ending(is_ours)
+    _endings.append(ending)
     from mpi4py import MPI
 
+    try:
+        import petsc4py.PETSc  # noqa: F401  which has an end of its own, where it waits for others
+    finally:
+        ending.goes_first()
     from visviva_petsc.choice import refuse_unfit
-    from visviva_petsc.failing import end_all_together, finalize_here, give_signals_back
+    from visviva_petsc.failing import end_all_together, give_signals_back, keep_forks_out
     from visviva_petsc.world import World
 
     give_signals_back()
-    refuse_unfit()
-    come = finalize_here(is_ours)
+    keep_forks_out(is_ours)
+    try:
+        refuse_unfit()
+    except InputError:  # in all of them
+        ending.has_come = True
+        raise
     world = World(MPI.COMM_WORLD)
     if world.size > 1:
-        end_all_together(world)
-    come()
+        ending.leave = end_all_together(world)
+    ending.has_come = True
     return world
+
+
+def end() -> None:
+    """Do at once what is to be done at the end of a process, where it has come to that already."""
+    for ending in _endings:
+        ending.end()
 
 
 def refuse_thread(what: str) -> None:
@@ -47,8 +69,6 @@ def refuse_thread(what: str) -> None:
     InputError
     """
     if threading.current_thread() is not threading.main_thread():
-        from visviva.base.errors import InputError
-
         raise InputError(
             f"a thread of its own cannot {what}: in each process threads may come to that in another order, and wait "
             "for each other for ever; let the main thread do it"

@@ -22,8 +22,14 @@ PATIENCE = 5.0
 """Seconds until a process that fails believes that others go on; longer where all have met long ago."""
 
 
-def end_all_together(world: World) -> None:
-    """Have every error that nobody handles end all processes, and every end that others wait for."""
+def end_all_together(world: World) -> Callable[[], None]:
+    """Have every error that nobody handles end all processes.
+
+    Returns
+    -------
+    function
+        To be called at the end of this one, which ends all if others wait for it.
+    """
     before = sys.excepthook
 
     def end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
@@ -51,34 +57,11 @@ def end_all_together(world: World) -> None:
     own = os.getpid()
     is_forked = lambda: os.getpid() != own  # noqa: E731  is none of them, and ends as any process does
     sys.excepthook = end
-    atexit.register(leave)
+    return leave
 
 
-def finalize_here(is_ours: bool) -> Callable[[], None]:
-    """Have MPI and PETSc finalized at the end of this process, and not of what it forks, which would wait for others.
-
-    Where a script has imported MPI first, MPI is finalized after all of Python, in what is forked as well.
-
-    Returns
-    -------
-    function
-        To be called when all have come together: one that ends before ends all, as others wait for it.
-    """
-    own, came = os.getpid(), [False]
-
-    def come() -> None:
-        came[0] = True
-
-    def finalize() -> None:
-        if os.getpid() != own:
-            return
-        if not came[0]:
-            sys.stderr.flush()
-            MPI.COMM_WORLD.Abort(1)
-        PETSc.garbage_cleanup()  # PETSc's own waits for those that have nothing to let go of
-        if is_ours:
-            PETSc._finalize()
-            MPI.Finalize()
+def keep_forks_out(is_ours: bool) -> None:
+    """Have what this process forks end as any process does: it is none of those that MPI started."""
 
     def leave_them() -> None:
         called = ctypes.CDLL(PETSc.__file__)
@@ -87,9 +70,7 @@ def finalize_here(is_ours: bool) -> Callable[[], None]:
         if not is_ours:
             atexit.register(leave_mpi if keeps_sessions() else refuse_end)
 
-    atexit.register(finalize)
     os.register_at_fork(after_in_child=leave_them)
-    return come
 
 
 def give_signals_back(every: bool = False) -> None:

@@ -5,12 +5,20 @@ from typing import Any
 
 import lazy_loader
 
+from visviva.base import processes as _processes
+
 if "OMP_WAIT_POLICY" not in os.environ:  # read as soon as the core is loaded
     # Where other programs share the cores, a thread that spins keeps those from running that it waits for. So many
     # rounds are what GNU's OpenMP takes where there are more threads than cores.
     os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 _found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+if _processes.n_told() > 1:
+    from visviva.base.world import come_in_the_end as _come
+
+    _processes.mark()
+    _come()
 
 __version__ = "0.2.0"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 
 from visviva.base.errors import InputError
 
@@ -16,6 +17,31 @@ world = 1
 """Processes that compute together; what lets them do so sets it."""
 
 
+MARK = "VISVIVA_PROCESS"
+"""Where a process that a launcher started says to those that it starts itself that they are none of its kind."""
+
+
+def mark() -> None:
+    """Note for those that this process starts that it is one of several that a launcher started."""
+    os.environ[MARK] = f"{os.getpid()} {os.environ.get('PMIX_NAMESPACE', '')}"
+
+
+def is_started_by_one() -> bool:
+    """Whether one of several processes has started this one, which has its environment, and is none of them.
+
+    A launcher that is started anew gives other names, or a socket of its own.
+    """
+    pid, _, job = os.environ.get(MARK, "").partition(" ")
+    if not pid or int(pid) == os.getpid() or job != os.environ.get("PMIX_NAMESPACE", ""):
+        return False
+    if job:
+        return True
+    try:
+        return not stat.S_ISSOCK(os.fstat(number_in("PMI_FD")).st_mode)
+    except OSError:
+        return True
+
+
 def number_in(name: str) -> int:
     """A number among the variables of the environment, or 0."""
     text = os.environ.get(name, "")
@@ -24,12 +50,12 @@ def number_in(name: str) -> int:
 
 def n_launched() -> int:
     """Processes that were started at once with this one, as far as it can know."""
-    return n_told() or number_in("PMIX_RANK") + 1
+    return n_told() or 1 + (0 if is_started_by_one() else number_in("PMIX_RANK"))
 
 
 def n_told() -> int:
     """Number of processes according to the launcher, 0 if unknown: PMIx gives the rank alone."""
-    return max(map(number_in, SIZES))
+    return 0 if is_started_by_one() else max(map(number_in, SIZES))
 
 
 def is_first() -> bool:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import importlib.util
 import os
 import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import cache, partial
 from typing import Any, Protocol, TypeVar, cast
 
@@ -167,6 +168,22 @@ def announce(message: str) -> None:
     """A line to standard error, by the first process."""
     if world().rank == 0:
         print(message, file=sys.stderr)
+
+
+def come_in_the_end() -> None:
+    """Have this process come together with the others at its end, if it has not before: they may wait, and end then.
+
+    What has failed to do so is not tried again.
+    """
+    own = os.getpid()
+
+    def come() -> None:
+        if os.getpid() == own and not _joined and PACKAGE not in sys.modules:
+            with suppress(Exception):
+                world()
+                sys.modules[PACKAGE].end()
+
+    atexit.register(come)
 
 
 def _found() -> World:

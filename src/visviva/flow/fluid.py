@@ -120,6 +120,7 @@ class Fluid(Meshed):
         self._force = (
             guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
         )
+        self._is_unseen = self._force is not None
         start = self.force_at(0.0, self.points)
         if self.dimension == 2 and np.any(start[:, 2] != 0):
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
@@ -167,7 +168,23 @@ class Fluid(Meshed):
                 f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "
                 f"t = {time:g}"
             )
+        if self._is_unseen and found.any():
+            self._is_unseen = False
+            self._refuse_gathered(time, X[[0, -1]], found[[0, -1]])
         return found + weight
+
+    def _refuse_gathered(self, time: float, X: Array, found: Array) -> None:
+        """Refuse a body force that is another at points (n, 3) alone: batches and processes ask it of their own."""
+        for own, force in zip(X, found, strict=True):
+            alone = np.asarray(self._force(time, own[None]), dtype=float) if self._force else force
+            if alone.shape != (1, 3) or not np.allclose(
+                alone[0], force, rtol=1e-6, atol=1e-9 * np.abs(force).max()
+            ):
+                raise InputError(
+                    f"{self.label}: its body force at {own.tolist()} is {force.tolist()}, and of this point alone "
+                    f"{alone.tolist()}: it is asked of a part of the points at once (types of cells, processes); "
+                    "let it hinge on the values of each point alone, not on X.max(), X.mean() or len(X)"
+                )
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         self._gravity = self._gravity + np.asarray(acceleration, dtype=float)

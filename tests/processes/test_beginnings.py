@@ -1,0 +1,97 @@
+"""Processes of which one fails, ends or is interrupted before all have come together: none waits for ever."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from processes.launch import launched, missing
+
+pytestmark = pytest.mark.skipif(bool(missing()), reason=f"needs {missing()}")
+BLOCK = """
+import os
+import signal
+import subprocess
+import sys
+
+import visviva as vv
+
+kind, is_second = sys.argv[1], os.environ["PMI_RANK"] == "1"
+
+
+def block(k):
+    body = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 1, 1)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                    density=1.0, angular_velocity=(0, 0, 1))
+    system = vv.System([body])
+    vv.simulate(system, until=0.2, step=0.1)
+    return system.x[0]
+
+"""
+EARLY = """
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == kind:
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+if is_second:
+    sys.meta_path.insert(0, Interrupting())
+    if kind == "file":
+        open("/of/another/machine")
+    if kind == "end":
+        sys.exit()
+block(0)
+print("through")
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [
+        ("file", "FileNotFoundError"),
+        ("end", "process 1 of 2 has come to its end, and process 0 waits for it"),
+        ("mpi4py", "KeyboardInterrupt"),
+        ("visviva_petsc.choice", "KeyboardInterrupt"),
+        ("visviva_petsc.flow", "KeyboardInterrupt"),
+        ("visviva_petsc.world", "KeyboardInterrupt"),
+    ],
+)
+def test_one_that_does_not_come_ends_all(kind: str, told: str, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(BLOCK + EARLY)
+    done = launched(2, str(tmp_path / "script.py"), kind, limit=60)
+    assert done.returncode != 0
+    assert told in done.stderr
+    assert "through" not in done.stdout
+
+
+def test_all_that_end_early_wait_for_nobody(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text("import sys\nimport visviva as vv\nsys.exit(3)\n")
+    done = launched(2, str(tmp_path / "script.py"), limit=60)
+    assert (done.returncode, done.stdout + done.stderr) == (3, "")
+
+
+STARTED = """
+if __name__ == "__main__":
+    import multiprocessing
+
+    if is_second:
+        block(0) if kind == "after" else None
+        with multiprocessing.get_context("spawn").Pool(2) as pool:
+            print(*pool.map(block, (1, 2)))
+        code = "import visviva as vv; print(vv.base.processes.n_launched())"
+        print(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
+    if kind == "before" or not is_second:
+        block(0)
+"""
+
+
+@pytest.mark.parametrize("kind", ["before", "after"])
+def test_what_one_starts_by_itself_is_none_of_them(kind: str, tmp_path: Path) -> None:
+    """Python of others, with the environment of the first: they took themselves for it, and ended in MPI's errors."""
+    (tmp_path / "script.py").write_text(BLOCK + STARTED)
+    done = launched(2, str(tmp_path / "script.py"), kind, limit=90)
+    assert done.returncode == 0, done.stderr
+    first, second, n = done.stdout.split()
+    assert first == second
+    assert n == "1"
