@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -616,3 +617,47 @@ def test_held_temperatures_of_statics_may_start_flat(value: Any) -> None:
         ends.append(square.positions(system.x))
     assert np.abs(ends[1] - ends[0]).max() < 1e-12
     assert ends[0][:, 1].max() > 1.002
+
+
+def test_a_body_that_begins_far_from_its_reference_is_told_what_it_springs_open_by() -> None:
+    """Free steel at 700 K cools by what its sudden expansion takes, without any heat: to first order as it is told."""
+
+    def block(reference: float) -> vv.ThermoelasticSolid:
+        return vv.ThermoelasticSolid(
+            mesh=vv.BoxMesh(size=(0.02, 0.01, 0.01), counts=(2, 1, 1)),
+            material=vv.NeoHooke(young=200e9, poisson=0.3),
+            heat=vv.Heat(conductivity=45.0, capacity=3.744e6, expansion=1.2e-5, reference=reference),
+            temperature=700.0,
+            density=7800.0,
+        )
+
+    assert block(700.0).remarks() == []
+    free = block(293.15)
+    (remark,) = free.remarks()
+    told = re.search(r"changes its temperature by (\S+) K", remark)
+    assert told
+    system = vv.System([free])
+    vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+    assert free.temperatures(system.x).mean() - 700 == pytest.approx(float(told[1]), rel=0.1)
+
+
+@pytest.mark.parametrize("kind", ["shell", "beam"])
+def test_thin_bodies_say_so_too(kind: str) -> None:
+    heat = vv.Heat(conductivity=45.0, capacity=3.744e6, expansion=3e-5, reference=293.15)
+    body: vv.ThermalShell | vv.ThermalBeam
+    if kind == "shell":
+        section = vv.SolidSection(
+            material=vv.NeoHooke(young=200e9, poisson=0.3), thickness=0.01, density=7800.0
+        )
+        mesh = vv.RectangleMesh(size=(0.1, 0.1), counts=(2, 2))
+        body = vv.ThermalShell(mesh=mesh, section=section, heat=heat, temperature=600.0)
+    else:
+        profile = vv.RectangleSection(width=0.01, height=0.01, young=200e9, density=7800.0)
+        line = vv.LineMesh(points=[(0, 0, 0), (0.1, 0, 0)], count=4)
+        body = vv.ThermalBeam(mesh=line, section=profile, heat=heat, temperature=600.0)
+    (remark,) = body.remarks()
+    system = vv.System([body])
+    vv.simulate(system, until=1.0, step=0.05, scheme=vv.BackwardEuler())
+    told = re.search(r"changes its temperature by (\S+) K", remark)
+    assert told
+    assert body.temperatures(system.x).mean() - 600 == pytest.approx(float(told[1]), rel=0.12)

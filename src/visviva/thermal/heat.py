@@ -100,7 +100,8 @@ class Heat(HeatLaw):
     expansion : float
         Strain per temperature that heat alone would leave, at small changes.
     reference : float
-        Absolute temperature T0 at which there is no stress without strain.
+        Absolute temperature T0 at which there is no stress without strain: a body that begins at another, in the
+        shape of its mesh, begins with stress.
     moduli_slope : float
         Change of the moduli per temperature, as a share: ``1 / reference`` for the entropic elasticity of rubber.
     in_space : bool

@@ -26,6 +26,7 @@ from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
+from visviva.thermal.thermoelastic_checks import strained_at_the_start
 
 if TYPE_CHECKING:
     from visviva.mesh.faces import Faces
@@ -96,6 +97,13 @@ class ThermalBeam(Beam, HeatCarrier):
         )
         self.start_slopes = np.array(np.broadcast_to(across, (n, 2)))
         self._refuse_below_zero(self.label, self.start_temperatures, self.start_slopes)
+
+    def remarks(self) -> list[str]:
+        young = float((self.stiffness[:, 2, 2] / self._areas).max())
+        return [
+            *super().remarks(),
+            *strained_at_the_start(self.label, self.heat, young, self.start_temperatures),
+        ]
 
     def _refuse_below_zero(self, label: str, T: Array, across: Array) -> None:
         """Mean temperatures (n,) and slopes (n, 2), at the contour of the section."""

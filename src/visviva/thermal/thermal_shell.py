@@ -29,6 +29,7 @@ from visviva.thermal.celsius import refuse_below_zero
 from visviva.thermal.heat import Heat
 from visviva.thermal.held_step import HeldStep
 from visviva.thermal.projection import Projected, Projection
+from visviva.thermal.thermoelastic_checks import bulk, strained_at_the_start
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -155,6 +156,12 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
 
     def _materials(self) -> list[Material]:
         return [layer.material for stack in self._stacks for layer in stack.section.layers]
+
+    def remarks(self) -> list[str]:
+        strained = strained_at_the_start(
+            self.label, self.heat, max(map(bulk, self._materials())), self.start_temperatures
+        )
+        return [*super().remarks(), *strained]
 
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:

@@ -5,15 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
 from visviva.body import formulation as forms
 from visviva.mesh.cells import CELLS
-from visviva.thermal.heat import Heat
+from visviva.thermal.heat import Heat, HeatLaw
 
 if TYPE_CHECKING:
+    from visviva.material.material import Material
     from visviva.thermal.thermoelastic_solid import ThermoelasticSolid
 
+Array = NDArray[np.float64]
+
+SPRINGING = 0.02
+"""Part of the difference from the reference by which temperatures are told to change where free strains spring open."""
 LOCKING, SWINGING = 1.0, 20.0
 """Couplings of heat and strains from which on linear cells lock (``benchmarks/held_heat.py``), and steps swing."""
 
@@ -86,11 +92,40 @@ def refuse_heat(solid: ThermoelasticSolid, heat: Heat) -> None:
         raise InputError(f"{solid.label}: {beyond}")
 
 
+def bulk(material: Material) -> float:
+    """9 K of a material."""
+    lam, mu = material.lame
+    return 9 * lam + 6 * mu
+
+
+def strained_at_the_start(label: str, heat: HeatLaw, modulus: float, T: Array) -> list[str]:
+    """A remark on a body that begins in the shape of its mesh, far from the temperature at which that has no stress.
+
+    What it may spring open by, at constant entropy, takes ``p / (1 + p) (T - T0)`` of its temperature, where
+    ``p = modulus expansion^2 T / c`` and the modulus is 9 K of what expands in all directions, and E of a rod.
+    """
+    if not isinstance(heat, Heat):
+        return []
+    nearest = float(np.clip(heat.reference, T.min(), T.max()))
+    part = modulus * heat.expansion**2 * nearest / float(heat.stores.at(np.array([nearest]))[0])
+    change = part / (1 + part) * (nearest - heat.reference)
+    if part < SPRINGING or not change:
+        return []
+    return [
+        f"{label}: is at {nearest:.6g} K or farther from the reference {heat.reference:.6g} K of its heat, at which "
+        "the shape of its mesh has no stress: it begins with stress, and where nothing holds it springs open at once, "
+        f"which changes its temperature by {-change:.3g} K and leaves it swinging; give vv.Heat(reference=...) the "
+        "temperature at which it has this shape, or warm it by what happens in the run"
+    ]
+
+
 def coupling_remarks(solid: ThermoelasticSolid) -> list[str]:
     """Where heat and strains couple so strongly that linear cells lock, or steps swing."""
     if not isinstance(solid.heat, Heat):
         return []
-    found = []
+    found = strained_at_the_start(
+        solid.label, solid.heat, bulk(solid.body_material), solid.start_temperatures
+    )
     number = solid.heat.coupling_number(solid.body_material, float(solid.start_temperatures.mean()))
     said = f"{solid.label}: heat and strains couple by T beta^2 / (M c) = {number:.2g} (beta = 3 K expansion)"
     linear = any(CELLS[kind].n_nodes == CELLS[kind].n_corners for kind in solid.grid.cells)
