@@ -116,6 +116,7 @@ void bind_skin(nb::module_& m) {
         nb::arg("dim"), nb::arg("first"), nb::arg("unknown"), nb::arg("weight"), nb::arg("mesh_node"),
         nb::arg("constant"), nb::arg("facets"), nb::arg("behind"), nb::arg("ahead"), nb::arg("n_first"),
         nb::arg("second_begin"));
+    nb::class_<Cover>(m, "Cover").def(nb::init<Skin>(), nb::arg("whole"));
     m.def("sights", [](int dim, const Doubles& places, const Ints& facets) {
         std::vector<double> all;
         for (const Sight& s : find_sights(dim, vector_of<double>(places), vector_of<int>(facets)))
@@ -264,6 +265,7 @@ void bind_findings(nb::class_<ContactTerm, Term>& term) {
             [](ContactTerm& t, std::shared_ptr<ContactTerm> other) { t.stand_beside(std::move(other)); },
             nb::arg("other"))
         .def("lie_beside", &ContactTerm::lie_beside, nb::arg("other"))
+        .def("cover", &ContactTerm::cover, nb::arg("side"), nb::arg("own"), nb::arg("other"))
         .def_prop_ro("costs",
                      [](const ContactTerm& t) {
                          return std::vector<double>{t.costs().search, t.costs().segments, t.costs().forces};

@@ -110,6 +110,7 @@ void ContactTerm::restore_evaluation(const std::any& kept) {
 
 void ContactTerm::begin(const double* x0) {
     active_.begin_step(), known_at_.clear();
+    gaps_->covers().begin(x0);
     gaps_->skin().positions(x0, X0_);
     settle();
     if (X0_ == known_) {
@@ -182,7 +183,9 @@ void ContactTerm::share_sags() {
 
 void ContactTerm::settle() {
     const Stopwatch watch(costs_.segments);
-    if (gaps_->settle(X0_.data())) known_.clear(), forget_gradients();
+    const bool changed = gaps_->settle(X0_.data());
+    // over what covers others gaps go by where steps begin
+    if (changed || gaps_->covers().has_any()) known_.clear(), forget_gradients();
 }
 
 void ContactTerm::find_gaps() {

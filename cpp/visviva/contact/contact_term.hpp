@@ -103,6 +103,10 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
 
     /// A contact between one of the bodies and another one, beside which this one's may be flush.
     void lie_beside(const ContactTerm& other) { fellows_.push_back(other.sags_); }
+    /// Its other body, which may cover what the first (0) or second side, `own`, shows.
+    void cover(int side, std::shared_ptr<Cover> own, std::shared_ptr<Cover> other) {
+        gaps_->covers().add(side, std::move(own), std::move(other));
+    }
 
     /// Data of all gaps for the heat that passes in the step under way. By rates, what friction makes is that
     /// of the rates of a scheme with a history at its end, which increments lag behind by half a step.

@@ -56,8 +56,10 @@ class Enclosure {
     /// Where a line from p on the surface leaves the body, in lengths of its way; infinite if nowhere.
     double exit(const Eigen::Vector3d& p, const Eigen::Vector3d& way) const;
 
-  private:
+    /// Whether a place is inside.
     bool holds(const Eigen::Vector3d& x) const;
+
+  private:
     std::vector<Triangle> triangles_;
     BoxTree tree_;
 };

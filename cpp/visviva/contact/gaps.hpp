@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "visviva/contact/cover.hpp"
 #include "visviva/contact/sags.hpp"
 #include "visviva/contact/sight.hpp"
 #include "visviva/contact/skin.hpp"
@@ -91,6 +92,8 @@ class Gaps {
     /// How deep the bodies lie in what carries them where a step begins; true if that is something else than
     /// before.
     bool lie(Sags sags) { return std::exchange(sags_, sags) != sags; }
+    /// Bodies that others touch beside these, as they lie where a step begins.
+    Covers& covers() { return covers_; }
     /// How deep what is at a gap was found, which stores no energy.
     virtual double offset(int /*gap*/) const { return 0; }
     /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
@@ -141,6 +144,7 @@ class Gaps {
     }
     Skin skin_;
     Sags sags_;
+    Covers covers_;
     int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
     std::vector<char> left_;

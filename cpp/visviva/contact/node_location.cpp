@@ -229,19 +229,23 @@ int NodeToSegment::entrance(const double* from, const double* to, int A) const {
     return other < 0 ? side : other;
 }
 
-// Whether a vertex of a rigid body has sagged below a facet next to one, whose edge with that is convex.
-bool NodeToSegment::sagged(const double* X, int A, int side) const {
+// Whether a vertex of a rigid body has sagged below a facet next to one, whose edge with that is convex, or
+// goes by that edge, which is flush.
+bool NodeToSegment::goes_by(const double* X, int A, int side, bool sags) const {
     if (deforms(A)) return false;
     const At x(X + 3 * A);
-    const Vector3 middle = shape(X, side).middle(0);
+    const FacetShape own_side = shape(X, side);
+    const Vector3 middle = own_side.middle(0);
+    const Plane wall{own_side.normal(0), own_side.height(0, x)};
     const int *own = skin_.corners(side), *end = own + skin_.n_corners(side);
     return std::any_of(candidates_[A].begin(), candidates_[A].end(), [&](const Candidate& c) {
         const int* corners = skin_.corners(c.facet);
         if (std::find_first_of(own, end, corners, corners + skin_.n_corners(c.facet)) == end) return false;
         const FacetShape facet = shape(X, c.facet);
         for (int s = 0; s < facet.n_simplices(); ++s) {
-            if (sags_.reach(facet.height(s, x), facet.normal(s)) &&
-                facet.height(s, middle) < -apart * facet.size() && looks(X, A, facet.normal(s)))
+            const Plane face{facet.normal(s), facet.height(s, x)};
+            if (facet.height(s, middle) < -apart * facet.size() && looks(X, A, face.normal) &&
+                ((sags && sags_.reach(face.height, face.normal)) || is_flush(X, A, wall, face)))
                 return true;
         }
         return false;
@@ -289,10 +293,35 @@ double NodeToSegment::depth(const double* X, int A, int side) const {
     return sign(X, At(X + 3 * A), found) == Reach::near ? -found.value : HUGE_VAL;
 }
 
+// What is over a body that is flush with a face, and was above it where the step began, as far above the
+// plane of that: it lands there as on one floor.
+bool NodeToSegment::locate_beside(const double* X, int A, Found& found) const {
+    const At x(X + 3 * A), x0(start() + 3 * A);
+    for (const Candidate& wall : candidates_[A]) {
+        const FacetShape side = shape(X, wall.facet);
+        const Plane plane{side.normal(0), side.height(0, x)};
+        if (plane.height <= 0) continue;
+        const int *own = skin_.corners(wall.facet), *end = own + skin_.n_corners(wall.facet);
+        for (const Candidate& c : candidates_[A]) {
+            const int* corners = skin_.corners(c.facet);
+            if (std::find_first_of(own, end, corners, corners + skin_.n_corners(c.facet)) == end) continue;
+            const FacetShape facet = shape(X, c.facet);
+            const Plane face{facet.normal(0), facet.height(0, x)};
+            if (facet.height(0, side.middle(0)) >= -apart * facet.size() || !looks(X, A, face.normal) ||
+                shape(start(), c.facet).height(0, x0) < 0 || !is_flush(X, A, plane, face))
+                continue;
+            found = {&c, facet, whole(facet, 0, x), {}, face.normal, std::max(face.height, 0.0)};
+            return true;
+        }
+    }
+    return false;
+}
+
 // What lies inside beside an edge is pushed back to where it came in.
 PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) const {
     if (!static_ && held_[A].facet >= 0) return locate_held(X, A, found);
     if (A >= n_own()) return Reach::far;
+    if (may_land(A) && locate_beside(X, A, found)) return Reach::near;
     const At x(X + 3 * A);
     Reach reach = locate_nearest(X, A, x, found);
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;

@@ -68,10 +68,11 @@ class NodeToSegment : public PointGaps {
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double* X, int side, int other) const override;
     int touched(const double* X, int vertex, int side) const override;
-    bool sagged(const double* X, int vertex, int side) const override;
+    bool goes_by(const double* X, int vertex, int side, bool sags) const override;
 
   private:
     Reach locate(const double* X, int A, Found& found) const;
+    bool locate_beside(const double* X, int A, Found& found) const;
     Reach locate_held(const double* X, int A, Found& found) const;
     bool has_facets() const { return skin_.n_first > 0 || touches_itself(); }
     bool turns() const { return !options_.turning.empty(); }  // balls that rub

@@ -93,7 +93,8 @@ class Obstacle : public PointGaps {
     double depth(const double* X, int vertex, int side) const override;
     bool are_same(const double*, int side, int other) const override { return side == other; }
     int touched(const double* X, int vertex, int side) const override;
-    bool sagged(const double* X, int vertex, int side) const override;
+    bool goes_by(const double* X, int vertex, int side, bool sags) const override;
+    int face_beside(const double* X, int vertex) const;
 
   private:
     Vector3 out(const double* X, const Vector3& gradient) const;
@@ -213,15 +214,33 @@ Vector3 Obstacle::out(const double* X, const Vector3& gradient) const {
     return normal;
 }
 
-bool Obstacle::sagged(const double* X, int A, int side) const {
+bool Obstacle::goes_by(const double* X, int A, int side, bool sags) const {
     if (deforms(A)) return false;
     Scalar q[3];
     const int n = excesses(shape_, local(X, A), q);
     for (int k = 0; k < n; ++k) {
-        const Vector3 normal = out(X, q[k].d);
-        if (k != side && sags_.reach(q[k].v, normal) && looks(X, A, normal)) return true;
+        const Plane face{out(X, q[k].d), q[k].v};
+        if (k == side || !looks(X, A, face.normal)) continue;
+        if (sags && sags_.reach(face.height, face.normal)) return true;
+        if (side >= 0 && is_flush(X, A, {out(X, q[side].d), q[side].v}, face)) return true;
     }
     return false;
+}
+
+// Of what is over a body that is flush with a face, and was above it where the step began, that face: it
+// lands there as on one floor.
+int Obstacle::face_beside(const double* X, int A) const {
+    Scalar q[3], before[3];
+    const int n = excesses(shape_, local(X, A), q);
+    excesses(shape_, local(start(), A), before);
+    for (int wall = 0; wall < n; ++wall)
+        for (int k = 0; q[wall].v > 0 && k < n; ++k) {
+            const Plane face{out(X, q[k].d), q[k].v};
+            if (k != wall && before[k].v >= 0 && looks(X, A, face.normal) &&
+                is_flush(X, A, {out(X, q[wall].d), q[wall].v}, face))
+                return k;
+        }
+    return Sides::nearest;
 }
 
 int Obstacle::touched(const double* X, int A, int side) const {
@@ -243,10 +262,10 @@ PointGaps::Reach Obstacle::distance(const double* X, int A, int derivatives, Dis
     Matrix3 axes;
     for (int i = 0; i < 3; ++i) axes.row(i) = (At(frame + 3 + 3 * i) - o) / L;
     const Vector3 arm = x - o;
-    const int in = side(X, A);
+    const int over = may_land(A) ? face_beside(X, A) : Sides::nearest, in = over < 0 ? side(X, A) : over;
     const Reach reach = in == Sides::none ? Reach::far : Reach::near;
     const Scalar g = distance_to_core(shape_, axes * arm, in);
-    out.value = g.v - shape_.radius;
+    out.value = (over < 0 ? g.v : std::max(g.v, 0.0)) - shape_.radius;
     if (derivatives == 0) return reach;
     Eigen::Matrix<double, 3, 15> J;
     J.leftCols<3>() = axes;

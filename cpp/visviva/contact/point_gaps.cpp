@@ -85,11 +85,41 @@ int PointGaps::side_inside(const double* X, int A, int kept) const {
         // what is barely inside may have come in by a side that it sags past all the same
         if (const int near = nearest_side(X, A); came < 0 && !keeps_ && swings_by(X, A, near)) came = near;
         if (came < 0 || (keeps_ && !sagged(start, A, came)) || touches(start, A, came)) return came;
-        return static_ ? touched(X, A, came) : Sides::none;
+        const int face = touched(X, A, came);
+        return static_ || lands(X, A, came, face) ? face : Sides::none;
     }
     const int near = nearest_side(X, A);
     if (near < 0 || are_same(X, kept, near)) return Sides::nearest;
     return touches(start, A, near) && slides_out(X, A, kept, near) ? Sides::nearest : kept;
+}
+
+// Whether what comes by a wall that another body covers was above the face beside it where the step began: as
+// on one floor it lands on that.
+bool PointGaps::lands(const double* X, int A, int wall, int face) const {
+    return face >= 0 && covers_.has(1) && depth(start(), A, face) <= 0 && goes_by(X, A, wall, false);
+}
+
+// Of the second body the wall is covered, in front of the edge at which the face begins; of the first one the
+// vertex itself, a corner, is. All of it where the step began.
+bool PointGaps::is_flush(const double* X, int A, const Plane& wall, const Plane& face) const {
+    constexpr double beside = 1e-3;  // so far from a corner to the middle: as wide bodies end there
+    if (!start() || deforms(A) || !covers_.has_any()) return false;
+    const Vector3& w = wall.normal;
+    const Vector3 up = (face.normal - face.normal.dot(w) * w).normalized();
+    const double above = (face.height - wall.height * face.normal.dot(w)) / face.normal.dot(up);
+    const std::vector<int> all = others(A);
+    const RigidMotion body(start(), X, all, std::vector<double>(all.size(), 1.0));
+    const Vector3 edge = body.back(At(X + 3 * A) - wall.height * w - above * up),
+                  front = body.turn.transpose() * w, top = body.turn.transpose() * face.normal;
+    const At x(start() + 3 * A);
+    const double height = (x - edge).dot(top);
+    if (covers_.leads_over(1, {edge, top, front, x, height})) return true;
+    Vector3 inwards = beside * (middle_at(start()) - x);
+    const bool is_behind = inwards.dot(top) > 0 && inwards.dot(front) > 0;
+    if (!covers_.has(0) || around_.corners.empty() || !is_behind) return false;
+    inwards -= inwards.dot(front) * front;
+    inwards -= inwards.dot(top) * top;
+    return covers_.leads_over(0, {x + inwards, -top, -front, edge, height});
 }
 
 // Whether a vertex has come out by one side by more than it has gone in by the other one, which was nearer:

@@ -55,8 +55,25 @@ class PointGaps : public Gaps {
     /// This side, if a corner of a rigid body may have touched it before its edges did, and has not sagged
     /// below another one beside it, else the nearest that it may.
     virtual int touched(const double* /*X*/, int /*vertex*/, int side) const { return side; }
-    /// Whether a vertex of a rigid body has sagged below, or swings through, a side beside this one.
-    virtual bool sagged(const double* /*X*/, int /*vertex*/, int /*side*/) const { return false; }
+    /// Whether a vertex of a rigid body goes by this side, as another body is flush with one beside that, or,
+    /// by `sags`, as it has sagged below, or swings through, one.
+    virtual bool goes_by(const double* /*X*/, int /*vertex*/, int /*side*/, bool /*sags*/) const {
+        return false;
+    }
+    bool sagged(const double* X, int vertex, int side) const { return goes_by(X, vertex, side, true); }
+    /// Whether a vertex goes by the plane of a wall, into which another body leads on the face that ends at
+    /// it there; both planes by their normals and the heights of the vertex above them.
+    struct Plane {
+        Eigen::Vector3d normal;
+        double height;
+    };
+    bool is_flush(const double* X, int vertex, const Plane& wall, const Plane& face) const;
+    bool lands(const double* X, int vertex, int wall, int face) const;
+    /// Whether a vertex outside may land on faces as if they went on over what covers walls.
+    bool may_land(int vertex) const {
+        return covers_.has(1) && start() && !static_ && !keeps_ && !deforms(vertex) &&
+               sides_.of(vertex).face < 0;
+    }
     /// Whether it has there, or had where the step began: what swings may be many times as deep at its end.
     bool swings_by(const double* X, int vertex, int side) const {
         return sagged(X, vertex, side) || (start() && sagged(start(), vertex, side));

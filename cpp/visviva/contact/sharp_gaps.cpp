@@ -73,7 +73,10 @@ class SharpGaps : public Gaps {
         double gap;
     };
     bool sees(const double* X, const Held&) const;
+    bool sees_sharp(const double* X, const Held&) const;
     bool goes_by(const Held&) const;
+    bool comes(const Held&) const;
+    bool is_over(const double* X, const Held&) const;
     bool sees(const double* X, int gap) const { return sees(X, held_.of(gap)); }
     void find(const double* X, std::vector<Candidate>& found) const;
     Candidate candidate(const double* X, const Pair& pair) const;
@@ -90,7 +93,9 @@ class SharpGaps : public Gaps {
 };
 
 SharpGaps::SharpGaps(Skin skin, SharpOptions options)
-    : Gaps(std::move(skin)), options_(std::move(options)), pairs_(options_.parts, options_.depth, sags_) {
+    : Gaps(std::move(skin)),
+      options_(std::move(options)),
+      pairs_(options_.parts, options_.depth, sags_, covers_) {
     n_ = copies_ = options_.n_gaps;
     stencils_.resize(n_), held_.resize(n_);
     std::vector<int> seen;
@@ -128,7 +133,8 @@ void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
         if (pairs_.is_apart(X, p)) continue;
         for (const double sign : {1.0, -1.0}) {
             if (sign < 0 && !pairs_.has_signs(p)) continue;
-            if (const Pair pair{p, sign}; pairs_.meets(X, pair, coming, coming))
+            if (const Pair pair{p, sign};
+                pairs_.meets(X, pair, coming, coming) && !pairs_.is_flush(X, X, pair))
                 found.push_back(candidate(X, pair));
         }
     }
@@ -186,13 +192,35 @@ bool SharpGaps::goes_by(const Held& held) const {
     return is_free && pairs_.has_sagged(held_.start().data(), held.pair);
 }
 
+// Of a corner that was above a face where the step began.
+bool SharpGaps::comes(const Held& held) const {
+    return covers_.has(0) && !held.meets && !keeps_ && !static_ && !pairs_.has_signs(held.pair.number) &&
+           !held_.start().empty();
+}
+
+// Whether such a corner is above the plane of the face, or over a body that is flush with that, where the
+// plane goes on: the way in is one.
+bool SharpGaps::is_over(const double* X, const Held& held) const {
+    return pairs_.meeting(X, held.pair).distance >= 0 ||
+           pairs_.is_over_flush(held_.start().data(), X, held.pair);
+}
+
 // What multipliers hold in time they hold for the whole of a step, wherever that leads. So do penalties with
 // corners that lie in a face: what slides off it would fall for the rest of that.
 bool SharpGaps::sees(const double* X, const Held& held) const {
-    if (held.pair.number < 0) return false;
+    const bool is_seen = held.pair.number >= 0 && sees_sharp(X, held);
+    return is_seen &&
+           (static_ || held_.start().empty() || !pairs_.is_flush(held_.start().data(), X, held.pair));
+}
+
+bool SharpGaps::sees_sharp(const double* X, const Held& held) const {
     if (static_) return pairs_.meets(X, held.pair, -at_end, beside, false);
     if ((!held.meets && !held.opens) || goes_by(held)) return false;
     if (keeps_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
+    if (comes(held)) {
+        if (is_over(X, held)) return pairs_.meets(X, held.pair, HUGE_VAL, beside);
+        if (pairs_.comes_past(held_.start().data(), X, held.pair)) return false;
+    }
     const bool lies = held.meets && !held.opens && !pairs_.has_signs(held.pair.number);
     return pairs_.meets(X, held.pair, lies ? HUGE_VAL : -at_end, beside, held.meets);
 }
@@ -200,8 +228,9 @@ bool SharpGaps::sees(const double* X, const Held& held) const {
 void SharpGaps::values(const double* X, double* gap, double* area) {
     for (int A = 0; A < n_; ++A) {
         const bool near = sees(X, A);
+        const double least = near && comes(held_.of(A)) && is_over(X, held_.of(A)) ? 0 : -HUGE_VAL;
         area[A] = near ? 1 : 0;
-        gap[A] = near ? meeting(X, A).distance + (static_ ? 0 : offset(A)) : options_.depth;
+        gap[A] = near ? std::max(meeting(X, A).distance, least) + (static_ ? 0 : offset(A)) : options_.depth;
     }
 }
 

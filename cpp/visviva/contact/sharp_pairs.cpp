@@ -13,6 +13,7 @@ using At = Eigen::Map<const Vector3>;
 constexpr double parallel = 1e-2;   // sine of an angle below which edges do not cross
 constexpr double at_border = 1e-6;  // part of its size by which corners may be beside a face: flush bodies
 constexpr double out = 0.1;         // sine of an angle by which corners there lead out: more than bodies tilt
+constexpr double looking = 0.1;     // sine by which edges of a corner may lead to a face that it looks at
 constexpr double shallow = 0.04;  // part of the depth that is seen by which corners at a border may be in it
 
 }  // namespace
@@ -126,6 +127,14 @@ bool SharpPairs::corner_looks(const double* X, long corner, const Vector3& n, do
     return true;
 }
 
+// Of a face.
+double SharpPairs::size(const double* X, const Pair& pair) const {
+    const auto v = stencil(pair.number);
+    double most = 0;
+    for (int k : {0, 1, 2}) most = std::max(most, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
+    return most;
+}
+
 // How far a place in the plane of a face is from its border; negative outside. Borders run anticlockwise
 // about the outward normal, those of holes the other way, in pairs of vertices.
 double SharpPairs::inside(const double* X, long face, const Vector3& x, const Vector3& n) const {
@@ -173,6 +182,93 @@ bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
     return sag > 0 && passes_by(X, pair, m, inside(X, f, foot, -m.normal), sag);
 }
 
+bool SharpPairs::is_flush_edge(const double* X0, const Pair& pair, const Meeting& m, int side) const {
+    constexpr double end = 1e-3;  // of its length: bodies as wide end there
+    const Ridge ridge(X0, edge(pair.number, side));
+    const int* v = edge(pair.number, side);
+    const double part = std::clamp(side == 0 ? m.shares[1] : -m.shares[3], end, 1 - end);
+    const Vector3 place = ridge.a + part * (At(X0 + 3 * v[1]) - ridge.a);
+    return covers_.goes_on(side, place, ridge.left, ridge.right) ||
+           covers_.goes_on(side, place, ridge.right, ridge.left);
+}
+
+// Places on the border of a face that are nearest to one in its plane, and the ways out there.
+std::vector<SharpPairs::Border> SharpPairs::borders(const double* X, const Pair& pair,
+                                                    const Vector3& foot) const {
+    const Vector3 normal = -meeting(X, pair).normal;
+    const long f = face(pair.number);
+    std::vector<Border> all;
+    for (int k = parts_.border_start[f]; k < parts_.border_start[f + 1]; k += 2) {
+        const Vector3 a = At(X + 3 * parts_.borders[k]), e = At(X + 3 * parts_.borders[k + 1]) - a;
+        const Vector3 near = a + std::clamp((foot - a).dot(e) / e.squaredNorm(), 0.0, 1.0) * e;
+        all.push_back({near, e.cross(normal).normalized()});
+    }
+    return all;
+}
+
+// A corner that has come to a face of the first at a border of which another body goes on, or one that is
+// covered itself.
+bool SharpPairs::is_flush_wall(const double* X0, const double* X, const Pair& pair, const Meeting& m) const {
+    const Vector3 wall = -meeting(X0, pair).normal, x = At(X0 + 3 * stencil(pair.number)[3]);
+    const Vector3 aside = covers_.has(1) ? nudged_aside(X0, corner(pair.number)) : Vector3::Zero();
+    const std::vector<Border> all = borders(X0, pair, foot_at(X0, pair, m.shares));
+    return std::any_of(all.begin(), all.end(), [&](const Border& border) {
+        const Vector3 &top = border.out, along = top.cross(wall);
+        const double height = (x - border.place).dot(top);
+        return (corner_looks(X, corner(pair.number), -top, looking) &&
+                covers_.leads_over(0, {border.place, top, wall, x, height})) ||
+               (aside.dot(top) > 0 && aside.dot(wall) > 0 &&
+                covers_.leads_over(1, {x + aside.dot(along) * along, -top, -wall, border.place, height}));
+    });
+}
+
+// The way to a place in the body of a corner that is beside it by little of the shortest of its edges.
+Vector3 SharpPairs::nudged_aside(const double* X, long corner) const {
+    constexpr double little = 1e-3;
+    const Vector3 a = At(X + 3 * parts_.corners[corner]);
+    double least = HUGE_VAL;
+    for (int k = parts_.next_start[corner]; k < parts_.next_start[corner + 1]; ++k)
+        least = std::min(least, (At(X + 3 * parts_.next[k]) - a).norm());
+    return nudged(X, corner, little * least) - a;
+}
+
+bool SharpPairs::comes_past(const double* X0, const double* X, const Pair& pair) const {
+    const Meeting before = meeting(X0, pair), after = meeting(X, pair);
+    const double t = std::clamp(before.distance / (before.distance - after.distance), 0.0, 1.0);
+    const Eigen::Vector4d shares = (1 - t) * before.shares + t * after.shares;
+    const Vector3 foot = foot_at(X0, pair, shares);
+    return inside(X0, face(pair.number), foot, -before.normal) < -at_border * size(X, pair) &&
+           !goes_on(X0, pair, foot);
+}
+
+bool SharpPairs::is_over_flush(const double* X0, const double* X, const Pair& pair) const {
+    const Vector3 foot = foot_at(X0, pair, meeting(X, pair).shares);
+    return inside(X0, face(pair.number), foot, -meeting(X0, pair).normal) < 0 && goes_on(X0, pair, foot);
+}
+
+// Whether another body does where a face ends next to a place in its plane.
+bool SharpPairs::goes_on(const double* X, const Pair& pair, const Vector3& foot) const {
+    const std::vector<Border> all = borders(X, pair, foot);
+    const Border& nearest = *std::min_element(all.begin(), all.end(), [&](const Border& a, const Border& b) {
+        return (a.place - foot).norm() < (b.place - foot).norm();
+    });
+    return covers_.goes_on(0, nearest.place, -meeting(X, pair).normal, nearest.out);
+}
+
+// By the shares of the corners of the plane.
+Vector3 SharpPairs::foot_at(const double* X, const Pair& pair, const Eigen::Vector4d& shares) const {
+    const auto v = stencil(pair.number);
+    return shares[0] * At(X + 3 * v[0]) + shares[1] * At(X + 3 * v[1]) + shares[2] * At(X + 3 * v[2]);
+}
+
+bool SharpPairs::is_flush(const double* X0, const double* X, const Pair& pair) const {
+    if (!covers_.has_any()) return false;
+    const Meeting m = meeting(X, pair);
+    if (m.sine < parallel) return false;
+    if (pair.number < n_crossing()) return is_flush_edge(X0, pair, m, 0) || is_flush_edge(X0, pair, m, 1);
+    return is_flush_wall(X0, X, pair, m);
+}
+
 bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond, double sine,
                             bool stays) const {
     const double places[2] = {m.shares[1], -m.shares[3]};
@@ -200,10 +296,8 @@ bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double 
     const auto v = stencil(pair.number);
     const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
     const double in = inside(X, face(pair.number), foot, -m.normal);
-    double size = 0;
-    for (int k : {0, 1, 2}) size = std::max(size, (At(X + 3 * v[k]) - At(X + 3 * v[(k + 1) % 3])).norm());
-    const double border = at_border * size;
-    if (in < -std::max(beyond * size, border)) return false;
+    const double border = at_border * size(X, pair);
+    if (in < -std::max(beyond * size(X, pair), border)) return false;
     if (beyond <= 0 && std::abs(in) < border && passes_by(X, pair, m, in, border)) return false;
     if (beyond <= 0 && !stays && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;
     return corner_looks(X, corner(pair.number), m.normal, sine);

@@ -12,8 +12,8 @@ namespace visviva {
 
 class SharpPairs {
   public:
-    SharpPairs(SharpParts parts, double depth, const Sags& sags)
-        : parts_(std::move(parts)), depth_(depth), sags_(sags) {}
+    SharpPairs(SharpParts parts, double depth, const Sags& sags, const Covers& covers)
+        : parts_(std::move(parts)), depth_(depth), sags_(sags), covers_(covers) {}
 
     /// A pair, by its number among all of them, with the sign of its normal.
     struct Pair {
@@ -35,6 +35,15 @@ class SharpPairs {
 
     /// Whether one body goes by there: it has sagged below the edge of the other one that meets it.
     bool has_sagged(const double* X, const Pair& pair) const;
+
+    /// Whether it meets at the end of a face where another body goes on, of what lay at `X0` where the step
+    /// began: no edge is there, and no corner.
+    bool is_flush(const double* X0, const double* X, const Pair& pair) const;
+    /// Whether a corner that was above a face where the step began comes below that past its border, where no
+    /// other body goes on.
+    bool comes_past(const double* X0, const double* X, const Pair& pair) const;
+    /// Whether it is beside the face, over a body that goes on there.
+    bool is_over_flush(const double* X0, const double* X, const Pair& pair) const;
 
   private:
     long n_edges(int side) const {
@@ -60,14 +69,26 @@ class SharpPairs {
     struct Ridge;
     bool corner_looks(const double* X, long corner, const Eigen::Vector3d& n, double sine) const;
     double inside(const double* X, long face, const Eigen::Vector3d& x, const Eigen::Vector3d& n) const;
+    double size(const double* X, const Pair&) const;
     Eigen::Vector3d nudged(const double* X, long corner, double way) const;
     bool passes_by(const double* X, const Pair&, const Meeting&, double in, double way) const;
     bool edges_meet(const double* X, const Pair&, const Meeting&, double beyond, double sine,
                     bool stays) const;
 
+    struct Border {
+        Eigen::Vector3d place, out;
+    };
+    Eigen::Vector3d foot_at(const double* X, const Pair&, const Eigen::Vector4d& shares) const;
+    bool goes_on(const double* X, const Pair&, const Eigen::Vector3d& foot) const;
+    std::vector<Border> borders(const double* X, const Pair&, const Eigen::Vector3d& foot) const;
+    Eigen::Vector3d nudged_aside(const double* X, long corner) const;
+    bool is_flush_edge(const double* X0, const Pair&, const Meeting&, int side) const;
+    bool is_flush_wall(const double* X0, const double* X, const Pair&, const Meeting&) const;
+
     SharpParts parts_;
     double depth_;
     const Sags& sags_;
+    const Covers& covers_;
 };
 
 }  // namespace visviva

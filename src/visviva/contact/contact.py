@@ -36,7 +36,7 @@ from visviva.contact.contact_remarks import conducted, remarks_of
 from visviva.contact.contact_surface import Surface, mesh_bodies, positions
 from visviva.contact.contact_trouble import unsettled, without_tangent
 from visviva.contact.doubles import refuse_doubles
-from visviva.contact.edges import edges_of, lie_beside
+from visviva.contact.edges import cover, edges_of, lie_beside
 from visviva.contact.narrow import refuse_narrow
 from visviva.contact.resolve import resolve, side_of
 from visviva.contact.sinking import watch
@@ -305,6 +305,7 @@ class Contact(Component):
             self.term.stand_beside(self._edges.term)
         model.batch(self.term)
         lie_beside(self, self._before(model))
+        cover(self, self._before(model), model)
         if self.condensed:
             self._condense(model)
 

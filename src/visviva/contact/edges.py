@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -159,6 +159,25 @@ def lie_beside(contact: Contact, others: Sequence[Contact]) -> None:
     for one, two in product(own, beside):
         one.lie_beside(two)
         two.lie_beside(one)
+
+
+def cover(contact: Contact, others: Sequence[Contact], model: Model) -> None:
+    """Let rigid bodies of a contact and others, which are before it, cover each other where they touch the same one."""
+    for one, two in [pair for other in others for pair in ((contact, other), (other, contact))]:
+        if one.is_mortar or watched(one) is None or watched(two) is None:
+            continue
+        bodies, named = (one.first, one.second), (two.first_faces, two.second_faces)
+        for side, (body, faces) in product((0, 1), zip((two.first, two.second), named, strict=True)):
+            if bodies[1 - side] in (two.first, two.second) and body not in bodies and faces == "all":
+                for term in _terms(one):
+                    term.cover(side, _cover_of(one, bodies[side], model), _cover_of(two, body, model))
+
+
+def _cover_of(contact: Contact, body: Any, model: Model) -> _core.Cover:
+    if not model.announced(body, _core.Cover):
+        whole = skin(whole_surface(contact, body), None, sees=False)
+        model.announce(body, _core.Cover(whole))
+    return model.announced(body, _core.Cover)[0]
 
 
 def _terms(contact: Contact) -> list[_core.ContactTerm]:
