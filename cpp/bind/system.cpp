@@ -108,9 +108,9 @@ static void bind_unknowns(nb::class_<System>& system) {
                  s.set_drives(vector_of<int>(multiplier), vector_of<int>(account));
              })
         .def("set_entropy", [](System& s, const Ints& tested, const Ints& unknown, const Doubles& weight,
-                               const Ints& account) {
+                               const Ints& account, const Ints& light) {
             s.set_entropy({vector_of<int>(tested), vector_of<int>(unknown), vector_of<double>(weight),
-                           vector_of<int>(account)});
+                           vector_of<int>(account), vector_of<int>(light)});
         });
 }
 

@@ -87,7 +87,7 @@ void System::take_off_excess(const Context& c) {
     for (int u : entropy_.tested) tested[u] = 1;
     for (std::size_t k = 0; k < entropy_.unknown.size(); ++k) {
         const int u = entropy_.unknown[k];
-        if (!tested[u]) continue;  // slopes across a shell, whose sum is none
+        if (!tested[u] || entropy_.light[k]) continue;  // slopes across a shell, whose sum is none
         const double more = (r_[u] - without[u]) / entropy_.weight[k];
         for (auto* next : {&v_next_, &a_next_, &w_next_}) (*next)[u] += more;
     }

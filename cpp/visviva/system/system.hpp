@@ -136,11 +136,13 @@ class System {
         supply_ = std::move(supply);
     }
     // Entropy is the sum of unknowns with weights; equations that add up to its balance, and the accounts on
-    // which what is stored is booked with what the terms of the body let go (-1: none).
+    // which what is stored is booked with what the terms of the body let go (-1: none). What its shape
+    // function counts for in the whole is next to nothing of a light one, as of corners of quadratic
+    // triangles.
     struct Entropy {
         std::vector<int> tested, unknown;
         std::vector<double> weight;
-        std::vector<int> account;
+        std::vector<int> account, light;
     };
     void set_entropy(Entropy entropy) { entropy_ = std::move(entropy); }
     // Multipliers of constraints that functions of time drive, and where the work of each is booked.

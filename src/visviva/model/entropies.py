@@ -16,6 +16,9 @@ Ints = NDArray[np.integer]
 PRODUCED, SUPPLIED = "entropy produced", "entropy supplied"
 """Categories of accounts: what arises and is never lost, and what comes from outside or goes there."""
 
+LIGHT = 0.1
+"""Part of the size of a shape function up to which its integral is next to nothing."""
+
 
 @dataclass(eq=False)
 class Entropies:
@@ -28,6 +31,8 @@ class Entropies:
         The entropy is the sum of the unknowns times these.
     tested : list of int arrays
         Unknowns whose equations add up to its balance.
+    light : list of bool arrays
+        Of the unknowns, those whose weights are next to nothing of what their shape functions are in size.
     accounts : list of int
         Where what the unknowns of an entry store in a step is booked with what its terms let go; -1: nowhere.
     """
@@ -35,6 +40,7 @@ class Entropies:
     unknowns: list[Ints] = field(default_factory=list)
     weights: list[Array] = field(default_factory=list)
     tested: list[Ints] = field(default_factory=list)
+    light: list[NDArray[np.bool_]] = field(default_factory=list)
     accounts: list[int] = field(default_factory=list)
 
     def store(
@@ -44,14 +50,17 @@ class Entropies:
         tested: Ints,
         account: int = -1,
         terms: Sequence[_core.Term] = (),
+        sizes: Array | None = None,
     ) -> None:
         """Note unknowns (n,) whose sum with weights (n,) is an entropy, and the equations that balance it.
 
         What `terms`, those of the body itself, give these beyond what is stored is booked on an account of entropy
-        that is produced; without one the body produces none.
+        that is produced; without one the body produces none. The `sizes` (n,) are integrals of shape functions without
+        their signs, where these are not those of the weights.
         """
         self.unknowns.append(unknowns)
         self.weights.append(weights)
+        self.light.append(np.abs(weights) < LIGHT * (np.abs(weights) if sizes is None else sizes))
         self.tested.append(tested)
         self.accounts.append(account)
         for term in terms:
@@ -78,4 +87,5 @@ class Entropies:
             np.concatenate(self.unknowns).astype(np.int32),
             np.concatenate(self.weights).astype(float),
             np.repeat(self.accounts, counts).astype(np.int32),
+            np.concatenate(self.light).astype(np.int32),
         )

@@ -270,14 +270,19 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             first += len(nodes)
         self.volumes = [elements.volume for elements in self._elements]
         unknowns, account = np.asarray(self.entropy.unknowns), model.account(self, "conduction", PRODUCED)
-        model.entropies.store(unknowns, self._content, unknowns, account, self._conducts)
+        sizes = self._integrals(np.abs)
+        model.entropies.store(unknowns, self._content, unknowns, account, self._conducts, sizes)
 
     @property
     def _content(self) -> Array:
         """Integrals (k,) of the shape functions: what entropies weigh."""
+        return self._integrals(np.asarray)
+
+    def _integrals(self, of: Callable[[Array], Array]) -> Array:
+        """Integrals (k,) of something of the shape functions."""
         total = np.zeros(self.entropy.size)
         for part in self._evaluations:
-            np.add.at(total, self._number[part.nodes], part.volume @ part.N)
+            np.add.at(total, self._number[part.nodes], part.volume @ of(part.N))
         return total
 
     def temperature_unknowns(self, nodes: Ints) -> NDArray[np.int32]:
