@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
+
+import pytest
 
 from visviva.base.told import Teller
 from visviva.base.written import own_records, written
@@ -95,3 +97,24 @@ def test_variables_are_told_by_name() -> None:
     teller.text(force)
     assert teller.variables["size in function force"] == "2"
     assert teller.variables["inner in function scaled"] == "[1]"
+
+
+def test_what_functions_use_of_own_modules_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a module of numbers beside the script, which may be another on another machine."""
+    numbers, inner = ModuleType("numbers_of_mine"), ModuleType("numbers_of_mine.inner")
+    numbers.K, numbers.inner, inner.G, inner.outer = 2.0, inner, 3.0, numbers  # type: ignore[attr-defined]
+    monkeypatch.setitem(globals(), "given", numbers)
+
+    def force(t: float) -> Any:
+        return given.K * given.inner.G * t + given.inner.outer.K  # type: ignore[name-defined]  # noqa: F821
+
+    teller = Teller({})
+    before = teller.text(force)
+    assert teller.variables["given.K in function force"] == "2"
+    assert teller.variables["given.inner.G in function force"] == "3"
+    inner.G = 4.0  # type: ignore[attr-defined]
+    assert told(force) != before
+    numbers.unused = 1.0  # type: ignore[attr-defined]
+    after = told(force)
+    numbers.unused = 2.0  # type: ignore[attr-defined]
+    assert told(force) == after

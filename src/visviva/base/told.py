@@ -184,6 +184,7 @@ class Teller:
         parts = [self.text(value.__code__), self.text(value.__defaults__), self.text(value.__kwdefaults__)]
         parts += [self._variable(value, *content) for content in contents(value)]
         used = [(k, value.__globals__[k]) for k in looked_up(value.__code__) if k in value.__globals__]
+        used += [item for k, v in used for item in attributes(k, v, value.__code__)]
         globals_told = ", ".join(f"{k}={self._variable(value, k, v)}" for k, v in used)
         for k, default in defaults(value):
             self.variables[f"{k} in function {value.__name__}"] = shortened(self.text(default))
@@ -245,6 +246,28 @@ def looked_up(code: CodeType) -> list[str]:
     inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in looked_up(c)]
     own = [i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
     return sorted({*own, *inner})
+
+
+def attributes(
+    name: str, module: Any, code: CodeType, within: tuple[Any, ...] = ()
+) -> Iterator[tuple[str, Any]]:
+    """What functions may use of a module that is the user's own, and of modules in it: ``module.name``."""
+    if (
+        any(module is m for m in within)
+        or not isinstance(module, ModuleType)
+        or is_installed(module.__name__)
+    ):
+        return
+    for attribute in sorted(names_in(code) & vars(module).keys()):
+        inner = vars(module)[attribute]
+        yield f"{name}.{attribute}", inner
+        yield from attributes(f"{name}.{attribute}", inner, code, (*within, module))
+
+
+def names_in(code: CodeType) -> set[str]:
+    """Names of globals and attributes of a function and those within it."""
+    inner = [names_in(c) for c in code.co_consts if isinstance(c, CodeType)]
+    return set(code.co_names).union(*inner)
 
 
 def digest_of(*texts: str) -> str:
