@@ -95,3 +95,42 @@ def test_their_fields_are_kept_unless_others_are_chosen(tmp_path: Path) -> None:
         assert first_field(motion.fields) == "concentration"
         assert first_field(["von_mises", "damage"]) == "damage"
         assert first_field(["cauchy"]) == ""
+
+
+@pytest.mark.parametrize(
+    ("energy", "cell"),
+    [
+        (vv.DoubleWell(barrier=1.0), "quad4"),
+        (vv.DoubleWell(barrier=1.0), "quad9"),
+        (vv.RegularSolution(temperature=1.0, gas_constant=1.0, excess=[2.5]), "quad4"),  # points are corners
+    ],
+)
+def test_volumes_follow_an_interface_through_a_cell(energy: Any, cell: str) -> None:
+    """To a seventh of the distance of nodes, which is 1; whole points counted, by which 10 were 10.45 or 9.55."""
+    q = 2 if cell == "quad9" else 1
+    for place in np.linspace(10, 11, 11):
+        body = vv.CahnHilliard(
+            mesh=vv.RectangleMesh(size=(30, 2), counts=(30 // q, 2 // q), cell=cell),
+            free_energy=energy,
+            gradient_energy=2.0,
+            concentration=lambda X, place=place: 0.5 + 0.3 * np.tanh((place - X[:, 0]) / 2),
+        )
+        found = vv.PhaseVolume(body=body, above=0.5)(vv.System([body])) / 2
+        assert found == pytest.approx(place, abs=0.14)
+
+
+def test_phases_in_solids_are_asked_for() -> None:
+    """Stress moves them: an area was .92 of what it is."""
+    alloy = vv.MixtureSolid(
+        mesh=vv.RectangleMesh(size=(8, 1), counts=(16, 2)),
+        material=vv.NeoHooke(young=175.0, poisson=0.3),
+        free_energy=vv.DoubleWell(barrier=1 / 16, low=0.0, high=1.0),
+        gradient_energy=1.0,
+        concentration=lambda X: 0.5 + 0.5 * np.tanh(X[:, 0] - 4),
+        eigenstrain=0.03,
+    )
+    with pytest.raises(
+        vv.InputError, match=r"stress moves the phases of .*0 and 1 without any.*give phases="
+    ):
+        vv.InterfaceArea(body=alloy)
+    assert vv.InterfaceArea(body=alloy, phases=(0, 1))(vv.System([alloy])) == pytest.approx(1.0, rel=0.01)

@@ -144,7 +144,10 @@ def study(
         until,
         1e-3,
         vv.BackwardEuler(),
-        probes={"particle": vv.PhaseVolume(body=alloy, above=0.5), "interface": vv.InterfaceArea(body=alloy)},
+        probes={
+            "particle": vv.PhaseVolume(body=alloy, above=0.5),
+            "interface": vv.InterfaceArea(body=alloy, phases=(0, 1)),
+        },
         fields=("concentration", "von_mises"),
         adaptive=vv.Adaptive(tolerance=2e-2, max_step=2.0),
         title="Particle with misfit",

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 import visviva as vv
 
 Array = NDArray[np.float64]
+PHASES = 0.0941, 0.8504
+"""Of the alloy without stress."""
 
 
 def study(count: int = 16, until: float = 60.0, misfit: float = 0.03) -> vv.Study:
@@ -43,7 +45,7 @@ def study(count: int = 16, until: float = 60.0, misfit: float = 0.03) -> vv.Stud
         0.2,
         vv.BackwardEuler(),
         probes={
-            "interfaces": vv.InterfaceArea(body=alloy),
+            "interfaces": vv.InterfaceArea(body=alloy, phases=PHASES),
             "rich": vv.PhaseVolume(body=alloy, above=0.5),
             "wavelength": vv.DomainSize(body=alloy),
         },

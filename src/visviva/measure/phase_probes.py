@@ -41,7 +41,7 @@ class InterfaceArea(Reading):
     phases : (float, float), optional
         Values on both sides of interfaces. By default those that its free energy separates into, of the time being if
         that changes; without two there is no interface. To be given for order parameters that exclude each other,
-        (0, 1) for grains.
+        (0, 1) for grains, and for mixtures in solids, where stress moves the phases.
     """
 
     body: Body
@@ -50,6 +50,13 @@ class InterfaceArea(Reading):
     def __post_init__(self) -> None:
         if self.phases is not None and not self.phases[0] < self.phases[1]:
             raise InputError(f"InterfaceArea: phases = {self.phases} do not ascend")
+        if self.phases is None and isinstance(self.body, MixtureSolid):
+            found = self.body.interface()
+            without = "" if found is None else f", which are {found.low:.4g} and {found.high:.4g} without any"
+            raise InputError(
+                f"InterfaceArea: stress moves the phases of {self.body.label}{without}, and its free energy does not "
+                "tell by how much; give phases=(low, high)"
+            )
         if self.phases is None and not self.body.free_energy.changes and self.body.interface() is None:
             raise InputError(
                 f"InterfaceArea: the free energy of {self.body.label} has no two phases; give phases=(low, high)"
@@ -83,6 +90,8 @@ class InterfaceArea(Reading):
 class PhaseVolume(Reading):
     """Probe: volume where the concentration or order parameter is above a value.
 
+    Places of interfaces are found to a seventh of the distance of nodes.
+
     Parameters
     ----------
     body : CahnHilliard, MixtureSolid or AllenCahn
@@ -93,7 +102,8 @@ class PhaseVolume(Reading):
     above: Number
 
     def __call__(self, system: System) -> Any:
-        return phase_volume(self.body.space.cells(), coefficients(self.body, system), self.above)
+        c = coefficients(self.body, system)
+        return phase_volume(self.body.space.cells(), c, self.above, self.body.grid.dimension)
 
 
 @dataclass(config=settings, frozen=True, kw_only=True)
