@@ -165,8 +165,13 @@ def test_backflow_that_blows_up_is_told_of() -> None:
 @pytest.mark.parametrize("start", [1.0, 0.0])
 @pytest.mark.parametrize(
     "shape",
-    [lambda x: x > x.max() - 0.3, lambda x: x - x.mean(), lambda x: np.full(len(x), 1.0 / len(x))],
-    ids=["last", "mean", "length"],
+    [
+        lambda x: x > x.max() - 0.3,
+        lambda x: x - x.mean(),
+        lambda x: np.full(len(x), 1.0 / len(x)),
+        lambda x: x * (x.max() - x),  # nothing at both ends
+    ],
+    ids=["last", "mean", "length", "parabola"],
 )
 def test_a_body_force_that_looks_at_other_points_is_refused(shape: Any, start: float) -> None:
     """Processes ask it of their own points: a fan at the end of a channel blew a third more with two of them."""

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 __version__ = "0.2.0"
 SEAM = 3
 """Version of visviva's ``base/world.py`` that this package goes with."""
-__all__ = ["choose", "end", "join"]
-
-
-_endings: list[Ending] = []
+__all__ = ["choose", "join"]
 
 
 def join() -> World:
@@ -30,7 +27,6 @@ def join() -> World:
     if is_ours := "mpi4py.MPI" not in sys.modules:
         mpi4py.rc.finalize = False
     ending = Ending(is_ours)
-    _endings.append(ending)
     from mpi4py import MPI
 
     try:
@@ -53,12 +49,6 @@ def join() -> World:
         ending.leave = end_all_together(world)
     ending.has_come = True
     return world
-
-
-def end() -> None:
-    """Do at once what is to be done at the end of a process, where it has come to that already."""
-    for ending in _endings:
-        ending.end()
 
 
 def refuse_thread(what: str) -> None:

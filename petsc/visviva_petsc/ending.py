@@ -24,7 +24,7 @@ class Ending:
 
     def __init__(self, is_ours: bool) -> None:
         self.is_ours, self.own = is_ours, os.getpid()
-        self.has_come = self.is_over = False
+        self.has_come = False
         self.leave: Callable[[], None] = lambda: None
         self.goes_first()
 
@@ -34,10 +34,9 @@ class Ending:
         atexit.register(self.end)
 
     def end(self) -> None:
-        """Leave the others, once, and finalize MPI and PETSc; not in what is forked, which would wait for others."""
-        if os.getpid() != self.own or self.is_over:
+        """Leave the others, and finalize MPI and PETSc; not in what is forked, which would wait for others."""
+        if os.getpid() != self.own:
             return
-        self.is_over = True
         from mpi4py import MPI  # where that was interrupted, it waits for the others now
 
         if not self.has_come:

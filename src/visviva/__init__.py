@@ -15,10 +15,10 @@ if "OMP_WAIT_POLICY" not in os.environ:  # read as soon as the core is loaded
 _found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 if _processes.n_told() > 1:
-    from visviva.base.world import come_in_the_end as _come
+    from visviva.base.world import fail_for_all as _fail
 
     _processes.mark()
-    _come()
+    _fail()
 
 __version__ = "0.2.0"
 

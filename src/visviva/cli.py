@@ -16,8 +16,8 @@ from cyclopts import App, CycloptsError, Parameter
 from visviva.base.deadline import left_of
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
-from visviva.base.processes import is_first
-from visviva.base.world import World, by_first, joined, world
+from visviva.base.processes import end_all, is_first
+from visviva.base.world import World, by_first, is_joined, joined, world
 from visviva.cli_options import (
     Compress,
     Every,
@@ -247,6 +247,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with speaking(world()):
             return command(tokens)
     except KeyboardInterrupt as interrupt:
+        if not is_joined():
+            end_all(exit_code(interrupt))
         return exit_code(interrupt)
     except BrokenPipeError:  # who reads has seen enough, as in `visviva examples | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left must not fail at exit

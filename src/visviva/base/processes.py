@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
+import time
+from contextlib import suppress
 
 from visviva.base.errors import InputError
 
@@ -12,6 +15,8 @@ SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")
 script may start, and is there in the script itself, which is one process."""
 RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK", "SLURM_PROCID")
 """Where they say which of them this one is."""
+JOBS = ("PMIX_NAMESPACE", "OMPI_MCA_ess_base_jobid", "SLURM_JOB_ID", "SLURM_STEP_ID")
+"""Where they name what they started."""
 
 world = 1
 """Processes that compute together; what lets them do so sets it."""
@@ -23,23 +28,46 @@ MARK = "VISVIVA_PROCESS"
 
 def mark() -> None:
     """Note for those that this process starts that it is one of several that a launcher started."""
-    os.environ[MARK] = f"{os.getpid()} {os.environ.get('PMIX_NAMESPACE', '')}"
+    os.environ[MARK] = " ".join([f"{os.getpid()}", job(), socket_of_launcher()])
 
 
 def is_started_by_one() -> bool:
-    """Whether one of several processes has started this one, which has its environment, and is none of them.
+    """Whether one of several processes has started this one, which has its environment, and is none of them."""
+    pid, theirs, socket = (os.environ.get(MARK, "").split(" ") + 2 * [""])[:3]
+    return bool(pid) and pid != f"{os.getpid()}" and theirs == job() and socket_of_launcher() in ("", socket)
 
-    A launcher that is started anew gives other names, or a socket of its own.
-    """
-    pid, _, job = os.environ.get(MARK, "").partition(" ")
-    if not pid or int(pid) == os.getpid() or job != os.environ.get("PMIX_NAMESPACE", ""):
-        return False
-    if job:
-        return True
+
+def job() -> str:
+    """What a launcher that is started anew gives other names."""
+    return "/".join(os.environ.get(name, "") for name in JOBS)
+
+
+def socket_of_launcher() -> str:
+    """Which one MPICH's launcher is spoken to by; what is started anew by Python has none."""
     try:
-        return not stat.S_ISSOCK(os.fstat(number_in("PMI_FD")).st_mode)
-    except OSError:
-        return True
+        found = os.fstat(int(os.environ.get("PMI_FD", "")))
+    except (OSError, ValueError):
+        return ""
+    return f"{found.st_ino}" if stat.S_ISSOCK(found.st_mode) else ""
+
+
+def end_all(code: int) -> None:
+    """Have the launcher end all processes that it started, for one that fails before it knows the others.
+
+    They may wait for it in MPI, which it has not begun. MPICH's launcher is asked as MPI would ask it; others end all
+    where one ends by an error.
+    """
+    if n_told() <= 1:
+        return
+    sys.stdout.flush()
+    sys.stderr.flush()
+    time.sleep(0.5)  # launchers may drop what they have not passed on yet
+    if (module := sys.modules.get("mpi4py.MPI")) is not None and module.Is_initialized():
+        if not module.Is_finalized():
+            module.COMM_WORLD.Abort(code)
+    elif "PMI_FD" in os.environ:
+        with suppress(OSError, ValueError):
+            os.write(int(os.environ["PMI_FD"]), f"cmd=abort exitcode={code}\n".encode())
 
 
 def number_in(name: str) -> int:

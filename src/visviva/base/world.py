@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import atexit
 import importlib.util
 import os
 import sys
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from functools import cache, partial
+from types import TracebackType
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
@@ -132,6 +132,11 @@ def world() -> World:
     return _joined[0]
 
 
+def is_joined() -> bool:
+    """Whether processes have come together, or this one has found that it is alone."""
+    return bool(_joined)
+
+
 def joined() -> World:
     """Those that have come together so far, for who tells of errors."""
     return _joined[0] if _joined else Alone()
@@ -170,20 +175,16 @@ def announce(message: str) -> None:
         print(message, file=sys.stderr)
 
 
-def come_in_the_end() -> None:
-    """Have this process come together with the others at its end, if it has not before: they may wait, and end then.
+def fail_for_all() -> None:
+    """Have what nobody handles end all processes, from now until all have come together, which sees to it then."""
+    before, own = sys.excepthook, os.getpid()
 
-    What has failed to do so is not tried again.
-    """
-    own = os.getpid()
+    def fail(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        before(kind, error, trace)
+        if not _joined and os.getpid() == own:
+            processes.end_all(1)
 
-    def come() -> None:
-        if os.getpid() == own and not _joined and PACKAGE not in sys.modules:
-            with suppress(Exception):
-                world()
-                sys.modules[PACKAGE].end()
-
-    atexit.register(come)
+    sys.excepthook = fail
 
 
 def _found() -> World:

@@ -43,6 +43,10 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+LOOKED_AT, GROWN = 5, 1.1
+"""Points along with the largest at which a body force is asked for that alone, as often as it has grown by so much."""
+
+
 @dataclass(config=settings, eq=False, kw_only=True)
 class Fluid(Meshed):
     """An incompressible Newtonian fluid that fills a mesh, paper (24) to (30) and (43).
@@ -120,7 +124,7 @@ class Fluid(Meshed):
         self._force = (
             guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
         )
-        self._is_unseen = self._force is not None
+        self._largest = 0.0
         start = self.force_at(0.0, self.points)
         if self.dimension == 2 and np.any(start[:, 2] != 0):
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
@@ -168,9 +172,12 @@ class Fluid(Meshed):
                 f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "
                 f"t = {time:g}"
             )
-        if self._is_unseen and found.any():
-            self._is_unseen = False
-            self._refuse_gathered(time, X[[0, -1]], found[[0, -1]])
+        if (largest := float(np.abs(found).max(initial=0.0))) > GROWN * self._largest:
+            self._largest = largest
+            some = np.unique([*np.linspace(0, len(X) - 1, LOOKED_AT), *np.abs(found).argmax(axis=0)]).astype(
+                int
+            )
+            self._refuse_gathered(time, X[some], found[some])
         return found + weight
 
     def _refuse_gathered(self, time: float, X: Array, found: Array) -> None:
@@ -178,7 +185,7 @@ class Fluid(Meshed):
         for own, force in zip(X, found, strict=True):
             alone = np.asarray(self._force(time, own[None]), dtype=float) if self._force else force
             if alone.shape != (1, 3) or not np.allclose(
-                alone[0], force, rtol=1e-6, atol=1e-9 * np.abs(force).max()
+                alone[0], force, rtol=1e-6, atol=1e-9 * self._largest
             ):
                 raise InputError(
                     f"{self.label}: its body force at {own.tolist()} is {force.tolist()}, and of this point alone "
