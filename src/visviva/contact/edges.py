@@ -162,15 +162,24 @@ def lie_beside(contact: Contact, others: Sequence[Contact]) -> None:
 
 
 def cover(contact: Contact, others: Sequence[Contact], model: Model) -> None:
-    """Let rigid bodies of a contact and others, which are before it, cover each other where they touch the same one."""
+    """Let rigid bodies of a contact and others, which are before it, cover each other where they touch the same one.
+
+    Those that touch each other, too, come and go, and are no parts of one face.
+    """
     for one, two in [pair for other in others for pair in ((contact, other), (other, contact))]:
         if one.is_mortar or watched(one) is None or watched(two) is None:
             continue
         bodies, named = (one.first, one.second), (two.first_faces, two.second_faces)
         for side, (body, faces) in product((0, 1), zip((two.first, two.second), named, strict=True)):
-            if bodies[1 - side] in (two.first, two.second) and body not in bodies and faces == "all":
+            touched = bodies[1 - side] in (two.first, two.second) and body not in bodies
+            if touched and faces == "all" and not _touch(type(contact), bodies[side], body, model):
                 for term in _terms(one):
                     term.cover(side, _cover_of(one, bodies[side], model), _cover_of(two, body, model))
+
+
+def _touch(kind: type[Contact], one: Any, two: Any, model: Model) -> bool:
+    """Whether there is a contact of two bodies."""
+    return any({id(c.first), id(c.second)} == {id(one), id(two)} for c in model.announced(one, kind))
 
 
 def _cover_of(contact: Contact, body: Any, model: Model) -> _core.Cover:
