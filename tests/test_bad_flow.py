@@ -188,3 +188,22 @@ def test_a_body_force_that_looks_at_other_points_is_refused(shape: Any, start: f
         vv.InputError, match=r"'water': its body force at .* of this point alone .* X.mean\(\)"
     ):
         pushed()
+
+
+def test_a_body_force_that_is_small_beside_another_is_looked_at_too() -> None:
+    """A fan that begins while something else pushes; values of neural networks and squeezed ones are no other ones."""
+    mesh = vv.RectangleMesh(size=(2, 1), counts=(4, 2), cell="quad9")
+
+    def fan(t: float, X: Any) -> Any:
+        on = (X[:, 0] > X[:, 0].max() - 0.3) * (t > 0.1) * 0.5
+        return np.stack([on, -9.81 + 0 * on, 0 * on], axis=1)
+
+    def rough(t: float, X: Any) -> Any:
+        push = np.squeeze(np.sin(X[:, :1] + t)).astype(np.float32)
+        return np.stack([push, 0 * push, 0 * push], axis=1)
+
+    fluids = [water(mesh=mesh, body_force=force) for force in (fan, rough)]
+    marched = [vv.System([fluid, vv.NoSlip(fluid=fluid, faces="all")]) for fluid in fluids]
+    with pytest.raises(vv.InputError, match=r"of this point alone .* X.mean\(\)"):
+        vv.simulate(marched[0], until=0.3, step=0.1)
+    vv.simulate(marched[1], until=0.3, step=0.1)

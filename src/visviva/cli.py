@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -16,7 +17,7 @@ from cyclopts import App, CycloptsError, Parameter
 from visviva.base.deadline import left_of
 from visviva.base.errors import InputError, VisvivaError, shortened
 from visviva.base.interrupt import exit_code
-from visviva.base.processes import end_all, is_first
+from visviva.base.processes import end_all, is_first, n_told
 from visviva.base.world import World, by_first, is_joined, joined, world
 from visviva.cli_options import (
     Compress,
@@ -242,7 +243,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     tokens = [token for token in given if token != DEBUG]
     if len(tokens) < len(given):
-        return command(tokens)
+        with speaking(world()):
+            return command(tokens)
     try:
         with speaking(world()):
             return command(tokens)
@@ -287,6 +289,12 @@ def speaking(those: World) -> Iterator[None]:
 
 def failed(message: str, code: int) -> int:
     """Tell of an error, once if it is that of all processes; else it ends the others, too. Returns the exit code."""
+    if not is_joined() and n_told() > 1:  # they may wait for this one
+        if not is_first():
+            time.sleep(1.0)  # where all fail by the same, the first has told it, and ended them
+        say(message)
+        end_all(code)
+        return code
     those = joined()
     if those.meets():
         if those.rank == 0 and is_first():  # of processes that do not know of each other, too

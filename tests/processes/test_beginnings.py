@@ -37,7 +37,10 @@ class Interrupting:
 
 if is_second:
     sys.meta_path.insert(0, Interrupting())
-    if kind == "file":
+    if kind == "hook":  # of a package that shows errors in its way
+        sys.excepthook = lambda *error: print("own hook", file=sys.stderr) or sys.exit(3)
+        sys.stdout = None
+    if kind in ("file", "hook"):
         open("/of/another/machine")
 block(0)
 print("through")
@@ -48,6 +51,7 @@ print("through")
     ("kind", "told"),
     [
         ("file", "FileNotFoundError"),
+        ("hook", "own hook"),
         ("mpi4py", "KeyboardInterrupt"),
         ("visviva_petsc.choice", "KeyboardInterrupt"),
         ("visviva_petsc.flow", "KeyboardInterrupt"),

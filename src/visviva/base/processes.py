@@ -59,13 +59,14 @@ def end_all(code: int) -> None:
     """
     if n_told() <= 1:
         return
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):  # users may have put anything there
+            stream.flush()
     time.sleep(0.5)  # launchers may drop what they have not passed on yet
     if (module := sys.modules.get("mpi4py.MPI")) is not None and module.Is_initialized():
         if not module.Is_finalized():
             module.COMM_WORLD.Abort(code)
-    elif "PMI_FD" in os.environ:
+    elif socket_of_launcher():
         with suppress(OSError, ValueError):
             os.write(int(os.environ["PMI_FD"]), f"cmd=abort exitcode={code}\n".encode())
 

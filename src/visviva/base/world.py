@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import importlib.util
 import os
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cache, partial
-from types import TracebackType
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
@@ -176,15 +176,17 @@ def announce(message: str) -> None:
 
 
 def fail_for_all() -> None:
-    """Have what nobody handles end all processes, from now until all have come together, which sees to it then."""
-    before, own = sys.excepthook, os.getpid()
+    """Have what nobody handles end all processes, from now until all have come together, which sees to it then.
 
-    def fail(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-        before(kind, error, trace)
-        if not _joined and os.getpid() == own:
+    Python notes what nobody has handled before it calls hooks, which users and packages set as they like.
+    """
+    own = os.getpid()
+
+    def fail() -> None:
+        if hasattr(sys, "last_value") and not _joined and os.getpid() == own:
             processes.end_all(1)
 
-    sys.excepthook = fail
+    atexit.register(fail)
 
 
 def _found() -> World:
