@@ -9,7 +9,6 @@ import pytest
 
 import visviva as vv
 from visviva.examples import spinodal
-from visviva.phase.statistics import domain_size
 
 PFHUB = vv.DoubleWell(barrier=5.0, low=0.3, high=0.7)
 BOXES = (((20, 100), (0, 0)), ((40, 20), (-40, 100)), ((20, 20), (0, 100)), ((40, 20), (20, 100)))
@@ -78,9 +77,7 @@ def test_random_start_of_gomez(form: Any) -> None:
     system = vv.System([body])
     mass = body.integral(system.x)
     early = vv.simulate(system, until=5 / rate, step=0.5 / rate)
-    size = domain_size(
-        body.space.cells(), body.coefficients(body.phase, system.x), (1, 1), body.space.spacings
-    )
+    size = vv.DomainSize(body=body)(system)
     assert size == pytest.approx(2 * np.pi / wave, rel=0.1)
     assert np.all(np.diff(early.ledger["potential_stored"]) < 0)
     if form == "mixed":

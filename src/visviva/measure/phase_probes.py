@@ -131,7 +131,8 @@ class DomainSize(Reading):
     Parameters
     ----------
     body : CahnHilliard, MixtureSolid or AllenCahn
-        On a rectangle or box along the axes. All waves of four and more nodes are counted.
+        On a rectangle or box along the axes, that goes on as its mirror image where it is not periodic. All waves of
+        four and more nodes are counted.
     """
 
     body: Body
@@ -146,7 +147,10 @@ class DomainSize(Reading):
             )
 
     def __call__(self, system: System) -> Any:
-        size = np.ptp(self.body.grid.points, axis=0)
-        return domain_size(
-            self.body.space.cells(), coefficients(self.body, system), size, self.body.space.spacings
-        )
+        X = self.body.grid.points
+        ends = [X[self.body.grid.nodes(pair[0])] for pair in self.body.periodic]
+        periodic = [
+            any(np.ptp(end[:, i]) < 1e-6 * size for end in ends) for i, size in enumerate(np.ptp(X, axis=0))
+        ]
+        c = coefficients(self.body, system)
+        return domain_size(self.body.space.cells(), c, np.ptp(X, axis=0), self.body.space.spacings, periodic)

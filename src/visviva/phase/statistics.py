@@ -72,21 +72,25 @@ def structure_factor(tables: Sequence[Table], c: Array, waves: ArrayLike) -> Arr
     return np.asarray(np.abs(total) ** 2 / volume)
 
 
-def domain_size(tables: Sequence[Table], c: Array, size: ArrayLike, spacings: ArrayLike) -> float:
+def domain_size(
+    tables: Sequence[Table], c: Array, size: ArrayLike, spacings: ArrayLike, periodic: Sequence[bool]
+) -> float:
     """``2 pi / <k>``, the mean wavenumber weighed by the structure factor, of a box with edges `size`.
 
     All waves of four and more nodes at distances of `spacings` along the axes are counted. What quadrature points stand
     for is shared between the places of a grid of half these distances, linearly, and transformed (Hockney and Eastwood
-    1988). In a box that is not periodic, ends spread the longest waves.
+    1988). Along axes that are not periodic the box goes on as its mirror image, as no flux goes through its ends: jumps
+    between them would be waves of all lengths.
     """
     wide = np.flatnonzero(np.asarray(size) > 0)
-    edges, apart = np.asarray(size)[wide], np.asarray(spacings)[wide]
+    images = np.where(np.asarray(periodic)[wide], 1, 2)
+    edges, apart = np.asarray(size)[wide] * images, np.asarray(spacings)[wide]
     shape = np.maximum(2, np.ceil(2 * edges / apart)).astype(int)
     k = np.meshgrid(
         *(2 * np.pi * np.fft.fftfreq(n, L / n) for n, L in zip(shape, edges, strict=True)), indexing="ij"
     )
     shared = [np.sinc(axis * L / n / (2 * np.pi)) ** 2 for axis, L, n in zip(k, edges, shape, strict=True)]
-    S = np.abs(np.fft.fftn(_on_grid(tables, c, wide, edges, shape)) / np.prod(shared, axis=0)) ** 2
+    S = np.abs(np.fft.fftn(_on_grid(tables, c, wide, edges, shape, images)) / np.prod(shared, axis=0)) ** 2
     S[np.any([np.abs(a) > np.pi / (2 * d) * (1 + 1e-9) for a, d in zip(k, apart, strict=True)], axis=0)] = 0.0
     S.flat[0] = 0.0
     if not S.sum() > 0:
@@ -94,16 +98,20 @@ def domain_size(tables: Sequence[Table], c: Array, size: ArrayLike, spacings: Ar
     return float(2 * np.pi * S.sum() / (np.linalg.norm(k, axis=0) * S).sum())
 
 
-def _on_grid(tables: Sequence[Table], c: Array, wide: Ints, edges: Array, shape: Ints) -> Array:
-    """Integrals of deviations from the mean, shared between the places of a periodic grid."""
+def _on_grid(tables: Sequence[Table], c: Array, wide: Ints, edges: Array, shape: Ints, images: Ints) -> Array:
+    """Integrals of deviations from the mean, shared between the places of a periodic grid that has mirror images."""
     volume = sum(float(t.size.sum()) for t in tables)
     mean = sum(float((t.size * t.at(c)).sum()) for t in tables) / volume
-    low = np.min([t.X.reshape(-1, 3).min(axis=0) for t in tables], axis=0)[wide]
+    ends = [end(t.X.reshape(-1, 3), axis=0) for t in tables for end in (np.min, np.max)]
+    low = 0.5 * (np.min(ends, axis=0) + np.max(ends, axis=0))[wide] - 0.5 * edges / images
     total = np.zeros(shape)
     for t in tables:
-        at = (t.X.reshape(-1, 3)[:, wide] - low) / edges * shape
-        first, weight = np.floor(at).astype(int), (t.size * (t.at(c) - mean)).ravel()
-        for corner in product((0, 1), repeat=len(wide)):
-            share = np.prod(np.abs(1 - np.array(corner) - (at - first)), axis=1)
-            np.add.at(total, tuple(((first + corner) % shape).T), share * weight)
+        weight = (t.size * (t.at(c) - mean)).ravel()
+        for image in product(*(range(n) for n in images)):
+            at = (t.X.reshape(-1, 3)[:, wide] - low) / edges * shape
+            at = np.where(image, shape - at, at)
+            first = np.floor(at).astype(int)
+            for corner in product((0, 1), repeat=len(wide)):
+                share = np.prod(np.abs(1 - np.array(corner) - (at - first)), axis=1)
+                np.add.at(total, tuple(((first + corner) % shape).T), share * weight)
     return total
