@@ -5,8 +5,6 @@ from typing import Any
 
 import lazy_loader
 
-from visviva.base import processes as _processes
-
 if "OMP_WAIT_POLICY" not in os.environ:  # read as soon as the core is loaded
     # Where other programs share the cores, a thread that spins keeps those from running that it waits for. So many
     # rounds are what GNU's OpenMP takes where there are more threads than cores.
@@ -14,11 +12,14 @@ if "OMP_WAIT_POLICY" not in os.environ:  # read as soon as the core is loaded
 
 _found, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-if _processes.n_told() > 1:
-    from visviva.base.world import fail_for_all as _fail
+if any(name in os.environ for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")):
+    from visviva.base import processes as _processes
 
-    _processes.mark()
-    _fail()
+    if _processes.n_told() > 1:
+        from visviva.base.world import fail_for_all as _fail
+
+        _processes.mark()
+        _fail()
 
 __version__ = "0.2.0"
 
