@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import atexit
 import os
-import sys
-import time
 from collections.abc import Callable
+
+from visviva.base.processes import end_all
 
 
 class Ending:
@@ -40,9 +40,7 @@ class Ending:
         from mpi4py import MPI  # where that was interrupted, it waits for the others now
 
         if not self.has_come:
-            sys.stderr.flush()
-            time.sleep(0.5)  # launchers may drop what they have not passed on yet
-            MPI.COMM_WORLD.Abort(1)
+            end_all(1)
         self.leave()
         from petsc4py import PETSc
 

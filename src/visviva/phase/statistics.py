@@ -30,9 +30,8 @@ def phase_volume(tables: Sequence[Table], c: Array, above: float, dimension: int
     total = 0.0
     for t in tables:
         value, spread = t.at(c) - above, spreads(t, c, dimension)
-        share = np.where(value > 0, 1.0, 0.0)
-        np.divide(value, spread, out=share, where=spread > 2 * np.abs(value))
-        share[spread > 2 * np.abs(value)] += 0.5
+        share, cut = np.where(value > 0, 1.0, 0.0), spread > 2 * np.abs(value)
+        share[cut] = 0.5 + value[cut] / spread[cut]
         total += float((t.size * share).sum())
     return total
 
