@@ -1,0 +1,104 @@
+"""What one of several processes starts by itself, or forks: none of them, it ends and computes alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from processes.launch import launched, missing
+
+pytestmark = pytest.mark.skipif(bool(missing()), reason=f"needs {missing()}")
+FORKS = """
+import atexit
+import os
+import signal
+import sys
+import time
+
+import visviva as vv
+from visviva.base.world import world
+
+
+def made():
+    block = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                     density=1.0, angular_velocity=(0, 0, 1), name="block")
+    return vv.System([block])
+
+
+def child(kind):
+    if kind == "error":
+        raise KeyError("of the child")
+    if kind == "raised":
+        raise SystemExit(4)
+    if kind == "exit":
+        exit(5)
+    if kind == "ended":
+        time.sleep(60)
+    if kind == "caught":
+        try:
+            sys.exit(6)
+        except SystemExit:
+            sys.exit()
+    if kind == "file":
+        global left_open
+        atexit.register(print, "handled")
+        left_open = open(sys.argv[1], "w")
+        left_open.write("data")
+        sys.exit()
+    if kind == "own system":
+        system = made()
+        vv.simulate(system, until=0.1, step=0.05)
+        os._exit(not (abs(system.x - reached).max() < 1e-9 and world().size == 1))
+    if kind == "their system":
+        try:
+            system.step(0.05)
+        except vv.InputError as error:
+            os._exit("none of the 2 that share" in str(error))
+    sys.exit(kind)
+
+
+system = made()
+vv.simulate(system, until=0.1, step=0.05)
+reached = system.x.copy()
+kinds = (0, 3, "error", "ended", "raised", "exit", "caught", "file", "own system", "their system")
+for kind in kinds if world().rank == 0 else ():
+    forked = os.fork()
+    if forked == 0:
+        child(kind)
+    if kind == "ended":
+        time.sleep(0.2)
+        os.kill(forked, signal.SIGTERM)
+    print(os.waitstatus_to_exitcode(os.waitpid(forked, 0)[1]), flush=True)
+vv.simulate(system, until=0.2, step=0.05)
+if world().rank == 0:
+    print(open(sys.argv[1]).read(), "through")
+"""
+
+
+@pytest.mark.parametrize("before", ["", "import mpi4py.MPI\n"], ids=["visviva", "MPI"])
+def test_what_a_process_forks_ends_alone(before: str, tmp_path: Path) -> None:
+    """It ended all others; or with status 0 where it had failed, and files that it left open were empty.
+
+    Where MPI was imported before, it ended with status 1 whatever it did.
+    """
+    (tmp_path / "forks.py").write_text(before + FORKS)
+    done = launched(2, str(tmp_path / "forks.py"), str(tmp_path / "data"), limit=120)
+    assert done.returncode == 0, done.stderr
+    assert " ".join(done.stdout.split()) == "0 3 1 -15 4 5 0 handled 0 0 1 data through"
+    assert done.stderr.count("of the child") == 2  # a line of the script, and the error
+
+
+OTHER = """
+from mpi4py import MPI
+
+MPI.get_vendor = lambda: ("another", (1, 0, 0))
+"""
+
+
+def test_what_is_forked_from_mpi_that_nobody_knows_has_to_say_its_status(tmp_path: Path) -> None:
+    (tmp_path / "forks.py").write_text(OTHER + FORKS.replace("kinds = (0,", "kinds = (0,) or ("))
+    done = launched(2, str(tmp_path / "forks.py"), str(tmp_path / "forks.py"), limit=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("1\n")
+    assert done.stderr.count("end it by os._exit(status)") == 1
