@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 PATIENCE = 5.0
 """Seconds until a process that fails believes that others go on; longer where all have met long ago."""
+ENDS = (signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM))
+"""Signals that ask a process to end."""
 
 
 def end_all_together(world: World) -> Callable[[], None]:
@@ -76,11 +78,12 @@ def keep_forks_out(is_ours: bool) -> None:
 def give_signals_back(every: bool = False) -> None:
     """Let signals do again what scripts have said they should, which PETSc knows nothing of, or what Python knows.
 
-    By PETSc's handlers whoever ends a forked process ends all.
+    By PETSc's handlers whoever ends a forked process ends all, and who is asked to end calls that an error.
     """
     for number in signal.valid_signals():
         handler = signal.getsignal(number)
-        if callable(handler) or handler is signal.SIG_IGN or (every and handler is not None):
+        again = every or number in ENDS
+        if callable(handler) or handler is signal.SIG_IGN or (again and handler is not None):
             with suppress(OSError, ValueError):  # some cannot be handled
                 signal.signal(number, handler)
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from visviva.base import errors
 from visviva.base.errors import InputError
+from visviva.base.processes import end_all
 from visviva_petsc import refuse_thread
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
@@ -234,9 +235,7 @@ class World:
 
     def abort(self, code: int) -> None:
         """End all of them, whatever they wait for."""
-        sys.stderr.flush()
-        time.sleep(0.5)  # launchers may drop what they have not passed on yet
-        self.comm.Abort(code)
+        end_all(code)
 
     def of_core(self) -> Owners:
         """What the core of a system is told of them."""

@@ -115,3 +115,24 @@ def test_what_one_starts_by_itself_is_none_of_them(kind: str, tmp_path: Path) ->
     first, second, n = done.stdout.split()
     assert first == second
     assert n == "1"
+
+
+WITHOUT = """
+import importlib.util
+import os
+
+if os.environ["PMI_RANK"] == "1":
+    found = importlib.util.find_spec
+    importlib.util.find_spec = lambda name, *of: None if name == "visviva_petsc" else found(name, *of)
+block(0)
+print("through")
+"""
+
+
+def test_one_that_lacks_the_package_ends_all(tmp_path: Path) -> None:
+    """It computed by itself, to its end, while the other waited for it for ever."""
+    (tmp_path / "script.py").write_text(BLOCK + WITHOUT)
+    done = launched(2, str(tmp_path / "script.py"), "", limit=60)
+    assert done.returncode != 0
+    assert "2 processes were launched" in done.stderr
+    assert "through" not in done.stdout

@@ -102,3 +102,80 @@ def test_what_is_forked_from_mpi_that_nobody_knows_has_to_say_its_status(tmp_pat
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("1\n")
     assert done.stderr.count("end it by os._exit(status)") == 1
+
+
+SOLVING = """
+import multiprocessing
+import os
+import subprocess
+import sys
+
+import visviva as vv
+
+
+def block(_=0):
+    solid = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), material=vv.NeoHooke(young=1.0, poisson=0.3),
+                     density=1.0, angular_velocity=(0, 0, 1), name="block")
+    system = vv.System([solid, vv.Gravity()], newton=vv.Newton(linear=vv.Petsc("")))
+    vv.simulate(system, until=0.1, step=0.05)
+    return float(system.x[5])
+
+
+if __name__ == "__main__":
+    how, when = sys.argv[1:]
+    if how == "child":
+        print(block())
+        sys.exit()
+    if when == "after":
+        block()
+    if os.environ.get("PMI_RANK", "0") == "0":
+        if how == "subprocess":
+            command = [sys.executable, __file__, "child", ""]
+            print(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        else:
+            with multiprocessing.get_context(how).Pool(2) as pool:
+                print(*pool.map(block, (0, 0)))
+    last = block()
+    print(last) if os.environ["PMI_RANK"] == "0" else None
+"""
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+@pytest.mark.parametrize("how", ["subprocess", "spawn", "fork"])
+def test_what_one_starts_may_solve_by_petsc(how: str, when: str, tmp_path: Path) -> None:
+    """They took part in MPI as the one that had started them: its internal errors, or waiting for ever.
+
+    What is forked where MPI has begun cannot begin it anew.
+    """
+    (tmp_path / "script.py").write_text(SOLVING)
+    done = launched(2, str(tmp_path / "script.py"), how, when, limit=120)
+    if (how, when) == ("fork", "after"):
+        assert done.returncode != 0
+        assert "forked from one of 2" in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    assert "ERROR" not in done.stderr  # PETSc's, where a pool ends its workers
+    values = [float(value) for value in done.stdout.split()]
+    assert values == pytest.approx([values[-1]] * len(values), abs=1e-12)
+    assert len(values) == (2 if how == "subprocess" else 3)
+
+
+ASKED = """
+import os
+import signal
+import time
+
+import visviva as vv
+
+vv.System([vv.PointMass(mass=1.0, position=(0, 0, 0))], newton=vv.Newton(linear=vv.Petsc("")))
+import petsc4py.PETSc
+os.kill(os.getpid(), signal.SIGTERM)
+time.sleep(60)
+"""
+
+
+def test_one_that_is_asked_to_end_has_no_error(tmp_path: Path) -> None:
+    """PETSc called it one, and told how to find what had caused it."""
+    (tmp_path / "script.py").write_text(ASKED)
+    done = launched(0, str(tmp_path / "script.py"), limit=60)
+    assert (done.returncode, done.stdout, done.stderr) == (-15, "", "")

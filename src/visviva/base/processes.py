@@ -22,6 +22,8 @@ world = 1
 """Processes that compute together; what lets them do so sets it."""
 
 
+LAUNCHERS = ("PMI_", "PMIX_", "OMPI_", "HYDI_", "HYDRA_", "MPI_LOCAL")
+"""How the names begin by which launchers tell MPI what it is to be part of."""
 MARK = "VISVIVA_PROCESS"
 """Where a process that a launcher started says to those that it starts itself that they are none of its kind."""
 
@@ -35,6 +37,28 @@ def is_started_by_one() -> bool:
     """Whether one of several processes has started this one, which has its environment, and is none of them."""
     pid, theirs, socket = (os.environ.get(MARK, "").split(" ") + 2 * [""])[:3]
     return bool(pid) and pid != f"{os.getpid()}" and theirs == job() and socket_of_launcher() in ("", socket)
+
+
+def begin_alone(what: str) -> None:
+    """Let MPI begin as one process where one of several has started this one, whose environment names them all.
+
+    Raises
+    ------
+    InputError
+        If MPI has begun before, in the process that forked this one.
+    """
+    if not is_started_by_one():
+        return
+    if (module := sys.modules.get("mpi4py.MPI")) is not None:
+        if module.COMM_WORLD.size > 1:
+            raise InputError(
+                f"{what}: a process that was forked from one of {module.COMM_WORLD.size} would speak in its name; "
+                "start it anew (multiprocessing.get_context('spawn')), or let it use the solvers of visviva itself"
+            )
+        return
+    for name in [name for name in os.environ if name.startswith(LAUNCHERS)]:
+        del os.environ[name]
+    os.environ[MARK] = " ".join([os.environ[MARK].split(" ")[0], job(), ""])
 
 
 def job() -> str:
@@ -111,5 +135,6 @@ def refuse_unaware() -> None:
     raise InputError(
         f"{n} processes were launched ({name} = {os.environ[name]}), and each would run all of it and write the same "
         "files: start one process, whose threads share the cores (--threads); runs that have nothing to do with each "
-        f"other are started by env -u {name} visviva run ... with directories of their own"
+        f"other are started by env -u {name} visviva run ... with directories of their own (or take {name} out of "
+        "os.environ before visviva is imported)"
     )

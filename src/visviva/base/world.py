@@ -183,7 +183,7 @@ def fail_for_all() -> None:
     own = os.getpid()
 
     def fail() -> None:
-        if hasattr(sys, "last_value") and not _joined and os.getpid() == own:
+        if hasattr(sys, "last_value") and processes.world < processes.n_told() and os.getpid() == own:
             processes.end_all(1)
 
     atexit.register(fail)
@@ -212,8 +212,9 @@ def brought(what: str) -> Any:
     Raises
     ------
     InputError
-        If it is missing, or has another seam.
+        If it is missing, has another seam, or was forked from a process that speaks with others.
     """
+    processes.begin_alone(what)
     if importlib.util.find_spec(PACKAGE) is None:
         raise InputError(
             f"{what}: needs visviva-petsc, which is not installed; docs/howto/many_processes.rst has its two commands"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import visviva
 from visviva.base.errors import InputError
+from visviva.base.processes import refuse_unaware
 from visviva.base.told import Teller, arguments_of, digest_of, shortened
 from visviva.base.world import tell_crowds, world
 from visviva.component.component import Component
@@ -81,10 +82,10 @@ def refuse_different(components: Sequence[Component], newton: Newton) -> None:
     Raises
     ------
     InputError
-        With the first that differs.
+        With the first that differs, or if this process was started with others and cannot come together with them.
     """
     if world().size == 1:
-        return
+        return refuse_unaware()
     tell_crowds()
     names, untold, to = names_of(components), list[str](), "compose a system"
     compare(
