@@ -11,6 +11,7 @@ import warnings
 from typing import Any
 
 import alike
+from test_redundant_couplings import welded
 
 import visviva as vv
 from visviva.base.world import world
@@ -46,6 +47,15 @@ def pressed_down() -> list[Any]:
     return [str(result.stability), *(float(t) for t in result.times[:4])]
 
 
+def welded_twice(adaptive: vv.Adaptive | None) -> list[Any]:
+    """Steps, those that failed, and where a body is that is held by more constraints than it needs."""
+    system = welded(times=2, counts=(2, 1, 2))
+    result = vv.simulate(system, until=0.1, step=0.01, adaptive=adaptive)
+    body = next(c for c in system.components if isinstance(c, vv.RigidBody))
+    place = body.point().position.value(system.x)
+    return [result.statistics.steps, result.statistics.rejected, *(float(x) for x in place)]
+
+
 def main() -> None:
     """Print."""
     warnings.simplefilter("ignore")
@@ -53,6 +63,8 @@ def main() -> None:
     found["modes"] = [float(f) for f in vv.modes(column(), 4).frequencies]
     found["buckling"] = [float(f) for f in vv.buckling(column(), 2).factors]
     found["arc length"] = pressed_down()
+    found["welded twice"] = welded_twice(None)
+    found["in steps of any length"] = welded_twice(vv.Adaptive(tolerance=1e-4))
     if world().rank == 0:
         print(json.dumps(found))
 

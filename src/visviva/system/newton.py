@@ -39,7 +39,8 @@ class Newton(metaclass=Validated):
     null_space : bool or None
         Reduce rigid bodies to six unknowns by the discrete null space; None decides by what the system holds.
     regularization : float
-        Taken off the scaled diagonal of redundant constraints, so that the tangent stays regular.
+        Taken off the scaled diagonal of redundant constraints, so that the tangent stays regular; a hundredfold in
+        factors of the whole matrix.
     linear : Automatic, Direct, Iterative, Staggered or Petsc
         How the linear systems are solved; None chooses by size and kind of the system. What was chosen, and
         why, stands in `System.linear_explanation`.

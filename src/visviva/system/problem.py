@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STATIC = 100.0
-"""By so much redundant constraints are regularised more in statics, where no mass helps the pivots."""
+WHOLE = 100.0
+"""By so much redundant constraints are regularised more in factors of the whole matrix, which do not look for them: with
+1e-13 alone a solution for any right-hand side is lost in rounding, and the matrix taken for singular."""
 LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
@@ -97,7 +98,7 @@ def part_of(
         n_pressures=sum(f.size for f in fields if f.role is Role.CONTACT_PRESSURE) - condensed,
         n_condensed=condensed,
         has_inertia=system.has_inertia,
-        regularization=system.newton.regularization * (1.0 if system.has_inertia else STATIC),
+        regularization=system.newton.regularization * WHOLE,
         has_diagonal=bool(condensed or not symmetric) and has_diagonal(fields, core.n_eliminated, condensed),
         temperatures=temperatures(those),
         separates=any(f.role is Role.POTENTIAL for f in fields),
