@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 WHOLE = 100.0
-"""By so much redundant constraints are regularised more in factors of the whole matrix, which do not look for them: with
-1e-13 alone a solution for any right-hand side is lost in rounding, and the matrix taken for singular."""
+"""By so much redundant constraints are regularised more in factors of the whole matrix, which do not look for them:
+with 1e-13 alone a solution for any right-hand side is lost in rounding, and the matrix taken for singular."""
 LARGEST_BLOCK = 20
 """Unknowns of a block up to which rigid bodies are eliminated block by block."""
 CARRIED = (Role.VELOCITY, Role.FLUID_PRESSURE)
