@@ -174,13 +174,13 @@ class Fluid(Meshed):
             change = np.abs(found - before[1] if before else found)
             some = [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, len(X) // 2, len(X) - 1]
             if change.any():
-                self._refuse_gathered(time, X[some], found[some], float(np.abs(found).max()))
+                self._refuse_gathered(self._force, time, X[some], found[some], float(np.abs(found).max()))
         return found + weight
 
-    def _refuse_gathered(self, time: float, X: Array, found: Array, size: float) -> None:
+    def _refuse_gathered(self, force_at: Any, time: float, X: Array, found: Array, size: float) -> None:
         """Refuse a body force that is another at points (n, 3) alone: batches and processes ask it of their own."""
         for own, force in zip(X, found, strict=True):
-            alone = np.asarray(self._force(time, np.stack([own, own])), dtype=float) if self._force else force
+            alone = np.asarray(force_at(time, np.stack([own, own])), dtype=float)
             if alone.shape != (2, 3) or not np.allclose(alone[0], force, rtol=1e-4, atol=1e-6 * size):
                 raise InputError(
                     f"{self.label}: its body force at {own.tolist()} is {force.tolist()}, and of this point alone "

@@ -16,9 +16,8 @@ from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.model.term import Stencils, Term
 from visviva.phase.allen_cahn import AllenCahn
-from visviva.phase.free_energy import temperature_at
 from visviva.phase.interface import LEVEL
-from visviva.phase.phase_body import WARMER
+from visviva.phase.phase_body import warmth
 from visviva.phase.shared_boundary import Side, widths
 
 if TYPE_CHECKING:
@@ -132,7 +131,7 @@ class Exclusion(Component):
     def _watch(self, time: float) -> None:
         """Refuse boundaries that are too thin at a time: they are looked at once for all temperatures nearby."""
         heated = [body.free_energy for body in self.bodies if body.free_energy.changes]
-        now = tuple(int(np.floor(np.log(temperature_at(energy, time)) / WARMER)) for energy in heated)
+        now = tuple(warmth(energy, time) for energy in heated)
         if now not in self._resolved:
             self._refuse_thin(time)
             self._resolved |= {now}

@@ -224,7 +224,7 @@ class PhaseBody(Limited, Meshed):
 
     def _refuse_thin_on_the_way(self, time: float) -> None:
         """Refuse interfaces that are too thin at a time: they are looked at once for all temperatures nearby."""
-        now = int(np.floor(np.log(temperature_at(self.free_energy, time)) / WARMER))
+        now = warmth(self.free_energy, time)
         if now in self._resolved:
             return
         near = [self._interface_of(self.free_energy.heated(np.exp(WARMER * k))) for k in (now, now + 1)]
@@ -415,6 +415,11 @@ def first_point(
             return f"element {first + e} of {label} near ({at}): {said(float(c[e, q]))}"
         first += len(c)
     return ""
+
+
+def warmth(energy: FreeEnergy, time: float) -> int:
+    """Number of the step of temperatures, `WARMER` apart, that an energy has reached at a time."""
+    return int(np.floor(np.log(temperature_at(energy, time)) / WARMER))
 
 
 def full(tensor: Array) -> Array:
