@@ -38,9 +38,10 @@ def end_all_together(world: World) -> Callable[[], None]:
         if is_forked():
             return before(kind, error, trace)
         together = world.meets()
-        if not together:
+        own = not together or world.differs(f"{kind.__name__}: {error}")
+        if own:
             print(f"process {world.rank} of {world.size}:", file=sys.stderr)
-        if not together or world.rank == 0:
+        if own or world.rank == 0:
             before(kind, error, trace)
         if not together:
             world.abort(1)

@@ -29,6 +29,7 @@ Ints = NDArray[np.int64]
 
 RAISED = re.compile(r"Traceback [^\n]*\n(?:  [^\n]*\n)*(\w+)(?::\s*(.*))?", re.DOTALL)
 """What the core knows of an error of Python: where it comes from, its class and what it says."""
+NUMBER = re.compile(r"[+-]?\d[\d.e+-]*")
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""
 ASKED = 20
@@ -200,8 +201,15 @@ class World:
         return np.asarray(self.first(parts_of(grid, self.size) if self.rank == 0 else None))
 
     def meets(self) -> bool:
-        """Whether all of them come here, to the same error, before patience ends."""
+        """Whether all of them come here, by an error, before patience ends."""
         return self.arrive(self.failing.Ibarrier(), self.met)
+
+    def differs(self, own: str) -> bool:
+        """Where all have met, whether this one failed by something else than the first, but for numbers."""
+        differs = bool(NUMBER.sub("", self.failing.bcast(own)) != NUMBER.sub("", own))
+        if differs:
+            time.sleep(0.2)  # the first tells its own before
+        return differs
 
     def arrive(self, arrived: Any, met: float) -> bool:
         """Whether others come, who were together at this time, before patience ends.

@@ -296,12 +296,13 @@ def failed(message: str, code: int) -> int:
         end_all(code)
         return code
     those = joined()
-    if those.meets():
+    if (meet := those.meets()) and not those.differs(message):
         if those.rank == 0 and is_first():  # of processes that do not know of each other, too
             say(message)
         return code
     say(f"process {those.rank} of {those.size}: {message}")
-    those.abort(code)
+    if not meet:
+        those.abort(code)
     return code
 
 

@@ -520,3 +520,27 @@ def test_an_interrupt_before_all_have_come_together_ends_all(tmp_path: Path) -> 
     done = launched(2, str(tmp_path / "early.py"), limit=60)
     assert done.returncode != 0
     assert "through" not in done.stdout
+
+
+FAILING = """
+import os
+import sys
+
+import visviva as vv
+
+vv.System([vv.PointMass(mass=1.0)])
+is_second = os.environ["PMI_RANK"] == "1"
+if sys.argv[1] == "same":
+    raise ValueError(f"neither {0.1 + 1e-17 * is_second} nor {is_second:d}")
+raise KeyError("lamp") if is_second else ValueError("rope")
+"""
+
+
+@pytest.mark.parametrize(("kind", "told"), [("same", ["ValueError"]), ("each", ["ValueError", "KeyError"])])
+def test_all_that_fail_tell_of_it_if_they_differ(kind: str, told: list[str], tmp_path: Path) -> None:
+    """What the first failed by was all that was told."""
+    (tmp_path / "failing.py").write_text(FAILING)
+    done = launched(2, str(tmp_path / "failing.py"), kind, limit=60)
+    assert done.returncode == 1
+    assert re.findall(r"^(\w+Error)", done.stderr, re.MULTILINE) == told
+    assert done.stderr.count("process 1 of 2") == len(told) - 1

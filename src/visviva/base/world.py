@@ -63,7 +63,10 @@ class World(Protocol):
         """Number of the process that each cell (n_cells,) of a mesh belongs to."""
 
     def meets(self) -> bool:
-        """True if all processes arrive here with the same error before the time limit."""
+        """True if all processes arrive here with an error before the time limit."""
+
+    def differs(self, own: str) -> bool:
+        """Where all have met, whether this one failed by something else than the first, but for numbers."""
 
     def abort(self, code: int) -> None:
         """End all of them."""
@@ -106,6 +109,10 @@ class Alone:
     def meets(self) -> bool:
         """Nobody else has to come."""
         return True
+
+    def differs(self, own: str) -> bool:
+        """It is the first."""
+        return False
 
     def abort(self, code: int) -> None:
         """Nobody else has to end."""
