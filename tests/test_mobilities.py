@@ -61,8 +61,9 @@ def test_no_step_ends_where_the_mobility_is_not_the_function(
     assert found
     beyond = float(found[1])
     assert 0.6 < reached.max() < beyond * (1 + 1e-6)  # as it is written
-    off, too_far = (np.abs(STEEP.values(c) - np.exp(-4 * c)) for c in (reached, np.array(beyond)))
-    assert off.max() <= 1e-3 < too_far * (1 + 1e-4)
+    given = [np.exp(-4 * c) for c in (reached, np.array(beyond))]
+    off, too_far = (np.abs(STEEP.values(c) / M - 1) for c, M in zip((reached, beyond), given, strict=True))
+    assert off.max() <= 0.01 < too_far * (1 + 1e-4)
 
 
 def test_a_mixture_may_pass_the_range_where_the_function_is_a_polynomial() -> None:
@@ -120,6 +121,20 @@ def test_statics_ends_where_the_mobility_is_not_the_function() -> None:
 def test_starts_beyond_are_refused(make: Any, words: str) -> None:
     with pytest.raises(vv.InputError, match=re.escape(words)):
         make()
+
+
+@pytest.mark.parametrize("steep", [1.0, 3.0, 5.0])
+def test_slow_phases_have_their_mobility(steep: float) -> None:
+    mobility, c = vv.UserMobility(function=lambda c: np.exp(steep * c)), np.linspace(0, 1, 1001)
+    np.testing.assert_allclose(mobility.values(c), np.exp(steep * c), rtol=0.01)
+
+
+@pytest.mark.parametrize("steep", [6.0, 7.0, 8.0, 9.0])
+def test_slow_phases_that_no_polynomial_follows_are_refused(steep: float) -> None:
+    """By a thousandth of the largest alone that of the slow phase was a third to one and a half of what it is."""
+    words = r"polynomial of degree 7 off by .*, more than 0.001 of its largest value, or 0.01 of that; give the comp"
+    with pytest.raises(vv.InputError, match=words):
+        vv.UserMobility(function=lambda c: np.exp(steep * c))
 
 
 @pytest.mark.parametrize("kind", ["mesh", "mixed", "direct"])

@@ -79,7 +79,7 @@ def test_nodes_are_as_far_apart_as_a_grid_has_them(mesh: Any, spacing: float) ->
         ),
         (lambda: vv.DegenerateMobility(scale=-1.0), "scale = -1 is not positive"),
         (lambda: vv.UserMobility(function=lambda c: c - 0.5), "it is -0.5 at c = 0; it must not be negative"),
-        (lambda: vv.UserMobility(function=lambda c: np.abs(c - 0.5)), "a polynomial of degree 7 is off by"),
+        (lambda: vv.UserMobility(function=lambda c: np.abs(c - 0.5)), "a polynomial of degree 7 off by"),
         (lambda: vv.Wetting(body=body(), faces="y0"), "give either an angle or an energy"),
         (lambda: vv.Wetting(body=body(), faces="y0", angle=200.0), "angle = 200 is not between 0 and 180"),
         (
@@ -261,3 +261,17 @@ def test_edges_of_a_surface_in_space_are_no_faces() -> None:
     skin = body(mesh=plate)
     with pytest.raises(vv.InputError, match="edges of a surface in space are no faces"):
         vv.System([skin, vv.Wetting(body=skin, faces="all", angle=60.0)])
+
+
+@pytest.mark.parametrize("other", [{"faces": "y0"}, {"faces": "all"}, {"faces": "y0", "energy": True}])
+def test_a_wall_has_one_angle(other: dict[str, Any]) -> None:
+    """The energies of both added up: 60 degrees and 120 on all walls met the first at 75."""
+    mixture = body()
+    energy = vv.PolynomialEnergy(coefficients=(0.0, 0.1)) if other.pop("energy", False) else None
+    given: Any = {"energy": energy} if energy else {"angle": 120.0}
+    walls = [vv.Wetting(body=mixture, faces="y0", angle=60.0), vv.Wetting(body=mixture, **other, **given)]
+    with pytest.raises(
+        vv.InputError, match=r"has some of its faces, and the energies of both add up: angle = "
+    ):
+        vv.System([mixture, *walls])
+    vv.System([mixture := body(), *(vv.Wetting(body=mixture, faces=f, angle=60.0) for f in ("y0", "y1"))])

@@ -23,6 +23,10 @@ from visviva.phase.free_energy import (
 )
 
 Array = NDArray[np.float64]
+LOCALLY = 10.0
+"""Times as much may a polynomial be off a function of what this is at a place, as of its largest value."""
+FAINT = 3e-3
+"""Below this part of the largest, values count as this."""
 
 
 class Mobility(Unchanging):
@@ -93,7 +97,7 @@ class DegenerateMobility(Mobility):
 
 @dataclass(config=settings, kw_only=True)
 class UserMobility(Mobility):
-    """The user's own mobility: a function of compositions (n,), taken as its Chebyshev polynomial of degree 7.
+    """The user's own mobility: a function of compositions (n,), taken as a polynomial of degree 7 that fits.
 
     Beyond low and high, where it is fitted, the function is asked at the end of every step, less than zero being taken
     for none: a step may end where the polynomial is off by the tolerance at most, and is refused elsewhere.
@@ -105,7 +109,8 @@ class UserMobility(Mobility):
     low, high : float
         The compositions that occur.
     tolerance : float
-        By how much of its largest value from low to high the polynomial may be off.
+        By how much of its largest value from low to high the polynomial may be off, and by ten times as much of what
+        it is at a composition, or of three thousandths of the largest where it is less.
 
     Examples
     --------
@@ -124,7 +129,9 @@ class UserMobility(Mobility):
     def __post_init__(self) -> None:
         if not self.high > self.low:
             raise InputError(f"UserMobility: high = {self.high:g} is not above low = {self.low:g}")
-        c = np.linspace(self.low, self.high, 201)
+        c = self.low + (self.high - self.low) * (
+            0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 201))
+        )  # denser at the ends
         given = np.asarray(self.function(c), dtype=float)
         if given.shape != c.shape or not np.all(np.isfinite(given)):
             raise InputError(
@@ -135,24 +142,39 @@ class UserMobility(Mobility):
             raise InputError(
                 f"UserMobility: it is {given.min():g} at c = {c[given.argmin()]:g}; it must not be negative"
             )
-        series = Chebyshev.interpolate(self.function, COEFFICIENTS - 1, domain=[self.low, self.high])
+        self._largest = float(given.max())
+        if not self._largest > 0:
+            raise InputError(
+                f"UserMobility: it is 0 from low = {self.low:g} to high = {self.high:g}; nothing would move"
+            )
+        weights, ends = 1 / np.maximum(given, FAINT * self._largest), [self.low, self.high]
+        series = Chebyshev.fit(
+            c, given, COEFFICIENTS - 1, domain=ends, w=weights
+        )  # what moves slowly sets the pace
         self.centre = 0.5 * (self.low + self.high)
         half = 0.5 * (self.high - self.low)
         plain: Array = np.asarray(Chebyshev(series.coef).convert(kind=Polynomial).coef, dtype=float)
         self.polynomial = Polynomial(plain / half ** np.arange(len(plain)))
-        off = float(np.abs(self.values(c) - given).max())
-        self._allowed = self.tolerance * float(given.max())
-        if off > self._allowed:
+        off = np.abs(self.values(c) - given)
+        if np.any(off > self._allowed(given)):
+            at = int((off - self._allowed(given)).argmax())
             raise InputError(
-                f"UserMobility: a polynomial of degree {COEFFICIENTS - 1} is off by {off:.2g}, more than "
-                f"{self.tolerance:g} of the largest value; give the range of compositions, or a smoother function"
+                f"UserMobility: at c = {c[at]:.4g} it is {given[at]:.4g}, and a polynomial of degree "
+                f"{COEFFICIENTS - 1} off by {off[at]:.2g}, more than {self.tolerance:g} of its largest value, or "
+                f"{LOCALLY * self.tolerance:g} of that; give the compositions that occur, or a smoother function"
             )
+
+    def _allowed(self, given: Array) -> Array:
+        """By how much the polynomial may be off the function (n,)."""
+        least = np.maximum(given, FAINT * self._largest)
+        return np.asarray(self.tolerance * np.minimum(self._largest, LOCALLY * least))
 
     def missed(self, c: Array) -> NDArray[np.bool_]:
         found = np.asarray((c < self.low) | (c > self.high))
         if np.any(found):
             beyond = np.asarray(c)[found]
-            found[found] = ~(np.abs(self.values(beyond) - self._given(beyond)) <= self._allowed)
+            given = self._given(beyond)
+            found[found] = ~(np.abs(self.values(beyond) - given) <= self._allowed(given))
         return found
 
     def missing(self, c: float) -> str:

@@ -15,6 +15,7 @@ from visviva.component.announcements import Given
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import FaceSet, Nodes, Number, OfTimeAndPlace
+from visviva.mesh.faces import Faces
 from visviva.mesh.periodic import numbering, refuse_apart, refuse_periodic
 from visviva.model.field import Field
 from visviva.model.points import Group, PhysicsKind, add_points
@@ -140,7 +141,16 @@ class Wetting(Component):
             )
         return made
 
+    def announce(self, model: Model) -> None:
+        model.announce(self.body, self)
+
     def declare(self, model: Model) -> None:
+        for other in model.announced(self.body, Wetting):
+            if other is not self and self.angle is not None and shares(self._faces, other._faces):
+                raise InputError(
+                    f"{self.label}: {other.label} has some of its faces, and the energies of both add up: angle = "
+                    f"{self.angle:g} is none that interfaces would have there; give each face one angle, or energies"
+                )
         if self.angle is not None and (others := model.announced(self.body, Exclusion)):
             raise InputError(
                 f"{self.label}: {self.body.label} is one of several order parameters of {others[0].label}, and its "
@@ -154,6 +164,15 @@ class Wetting(Component):
         for table in self.body.space.walls(self._faces):
             groups = [Group(f.start + table.numbers, table.columns(gradients=False)) for f in fields]
             add_points(model, self, kind, groups, table.size, self.wall_energy.constants())
+
+
+def shares(one: Faces, other: Faces) -> bool:
+    """Whether some faces are in both."""
+    sets = (
+        {tuple(sorted(nodes)) for rows in faces.cells.values() for nodes in np.asarray(rows).tolist()}
+        for faces in (one, other)
+    )
+    return not set.isdisjoint(*sets)
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
