@@ -667,3 +667,28 @@ def test_wells_that_are_far_away_for_those_found_count() -> None:
     found = interface(vv.UserFreeEnergy(function=lambda c: wells(c)), 1.0, (0.03, 0.03))
     assert found is not None
     assert not found.alone
+
+
+def grain(stretch: float, along: float) -> vv.AllenCahn:
+    """A round grain, in coordinates x that are stretched, with so much gradient energy along them."""
+    width = 4.0 * vv.DoubleWell(barrier=1.0).values(np.array(0.5)).item()
+    return vv.AllenCahn(
+        mesh=vv.RectangleMesh(size=(20 * stretch, 20), counts=(20, 20)),
+        free_energy=vv.DoubleWell(barrier=1.0),
+        gradient_energy=tuple(2.2 * width * k for k in (along, 1.0, 1.0)),
+        order=lambda X: 0.5 - 0.5 * np.tanh(np.hypot(X[:, 0] / stretch - 10, X[:, 1] - 10) - 5),
+    )
+
+
+def test_cells_may_be_as_long_as_interfaces_are_wide() -> None:
+    """Cells that follow the gradient energy were refused, by the longest side and the thinnest interface."""
+    ends = []
+    for stretch in (1.0, 4.0):
+        body = grain(stretch, stretch**2)
+        system = vv.System([body])
+        vv.simulate(system, until=2.0, step=0.1)
+        ends.append(body.values(system.x))
+    np.testing.assert_allclose(*ends, atol=1e-9)  # the same but for the coordinate
+    for stretch, along in ((4.0, 8.0), (1.0, 0.5)):
+        with pytest.raises(vv.InputError, match="less than two cells resolve it"):
+            grain(stretch, along)

@@ -174,11 +174,12 @@ class PhaseBody(Limited, Meshed):
     def _refuse_thin(self, found: Interface | None, where: str) -> None:
         if found is None or not self._is_thin(found):
             return
-        wider = 2 * self.space.spacing / found.width
+        width, spacing = self._resolution(found)
+        wider = 2 * spacing / width
         raise InputError(
-            f"{self.label}: an interface is {found.width:.3g} wide{where}, the distance of its nodes "
-            f"{self.space.spacing:.3g}: less than two cells resolve it; take cells of {found.width / 4:.2g}, or a "
-            f"gradient_energy of {float(np.max(self._tensor)) * wider * wider:.3g} at least"
+            f"{self.label}: an interface is {width:.3g} wide{where}, the distance of its nodes {spacing:.3g}: less "
+            f"than two cells resolve it; take cells of {width / 4:.2g}, or a gradient_energy of "
+            f"{float(np.max(self._tensor)) * wider * wider:.3g} at least"
         )
 
     def _refuse_thin_beyond(self, c: Array) -> None:
@@ -220,7 +221,18 @@ class PhaseBody(Limited, Meshed):
         return float(np.sort(c[off])[np.count_nonzero(off) // 2]) if off.any() else None
 
     def _is_thin(self, found: Interface) -> bool:
-        return found.width < 2 * self.space.spacing * (1 - 1e-9)
+        width, spacing = self._resolution(found)
+        return width < 2 * spacing * (1 - 1e-9)
+
+    def _resolution(self, found: Interface) -> tuple[float, float]:
+        """Width of an interface and distance of nodes, of all directions where it is least resolved."""
+        if found.alike:
+            return found.width, self.space.spacing
+        stiffnesses, directions = np.linalg.eigh(self._stiffness)
+        spacings = np.minimum(np.abs(directions.T) @ self.space.spacings, self.space.spacing)
+        widths = found.width * np.sqrt(stiffnesses / stiffnesses.min())
+        worst = int((spacings / widths).argmax())
+        return float(widths[worst]), float(spacings[worst])
 
     def _refuse_thin_on_the_way(self, time: float) -> None:
         """Refuse interfaces that are too thin at a time: they are looked at once for all temperatures nearby."""
