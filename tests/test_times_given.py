@@ -153,3 +153,27 @@ def test_adaptive_steps_see_pulses_of_held_temperatures() -> None:
         ends.append(body.temperatures(system.x)[body.nodes("x1")] - 1e4)
     assert ends[0].min() > 1
     assert ends[1] == pytest.approx(ends[0], rel=0.02)
+
+
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha()], ids=str)
+@pytest.mark.parametrize(
+    ("given", "reached"),
+    [
+        ("300 + 20 * sqrt(t)", 300 + 20 * np.sqrt(10)),
+        ("300 + 100 * min(t, 1)", 400.0),
+        ("300 + 20 * log(1 + t)", 300 + 20 * np.log(11)),
+    ],
+)
+def test_functions_may_have_no_values_before_the_start(given: str, reached: float, scheme: vv.Scheme) -> None:
+    """They were asked for those of two steps before, and refused: not real, or below absolute zero."""
+    heat = vv.Heat(conductivity=2.0, capacity=50.0, expansion=1e-4, reference=300.0)
+    body = vv.ThermoelasticSolid(
+        mesh=vv.BoxMesh(size=(1, 0.3, 0.3), counts=(4, 1, 1)),
+        material=vv.NeoHooke(young=1e5, poisson=0.0),
+        heat=heat,
+        density=1.0,
+    )
+    parts = [vv.PrescribedTemperature(body=body, nodes="x0", value=given), vv.Fixed(solid=body, nodes="x1")]
+    system = vv.System([body, *parts])
+    vv.simulate(system, until=10.0, step=5.0, scheme=scheme)
+    assert body.temperatures(system.x)[body.nodes("x0")] == pytest.approx(reached)

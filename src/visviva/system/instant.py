@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva import _core
-from visviva.base.differences import central_rate
+from visviva.base.differences import forward_curvature, forward_rate
 from visviva.base.errors import InputError
 from visviva.system.agreement import agreed_accelerations, agreed_curvatures, agreed_rates
 from visviva.system.memory import returning
@@ -195,7 +195,7 @@ class Instant:
             along = h * self.prescribed(lambda p: system.v[p.unknowns])
             total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
         if self._sees_clock:
-            total = total + central_rate(self.violation, 0.0, system.clock.step)
+            total = total + forward_rate(self.violation, 0.0, system.clock.step)
         return total
 
     def gradient_along(self, v: Array, later: float = 0.0, shift: float = 0.0) -> Array:
@@ -232,14 +232,9 @@ class Instant:
         if system.model.driving.prescribed:
             total = total + self._prescribed_convection()
         if self._sees_clock:
-            d = self.moment
-            values = [self.violation(k * d) for k in (-2, -1, 0, 1, 2)]
-            second = (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (
-                12 * d * d
-            )
-            total = (
-                total + second + 2 * difference(lambda s: self.gradient_along(v, later=s), 0.1 * self.moment)
-            )
+            # Functions of time may have no values before the start.
+            mixed = forward_rate(lambda s: self.gradient_along(v, later=s), 0.0, self.moment)
+            total = total + forward_curvature(self.violation, 0.0, self.moment) + 2 * mixed
         return total
 
     # --- prescribed unknowns --------------------------------------------------------------------------------
