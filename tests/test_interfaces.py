@@ -692,3 +692,26 @@ def test_cells_may_be_as_long_as_interfaces_are_wide() -> None:
     for stretch, along in ((4.0, 8.0), (1.0, 0.5)):
         with pytest.raises(vv.InputError, match="less than two cells resolve it"):
             grain(stretch, along)
+
+
+@pytest.mark.parametrize(
+    ("cell", "size", "told"), [("quad4", 0.47, True), ("quad4", 0.3, False), ("quad9", 0.6, True)]
+)
+def test_few_cells_hold_flat_fronts_back(cell: Any, size: float, told: bool) -> None:
+    """A front that the tension over 100 widths drives: where it stands still the check says so."""
+    width, length = np.sqrt(32), 8 * np.sqrt(32)
+    n, a = round(length / (size * width)), 0.5 - 1 / (np.sqrt(2) * 100 * width)
+    mesh = vv.RectangleMesh(size=(length, 1), counts=(n, 1), cell=cell)
+    body = vv.AllenCahn(
+        mesh=mesh,
+        free_energy=vv.PolynomialEnergy(coefficients=(0.0, 0.0, a / 2, -(1 + a) / 3, 0.25)),
+        gradient_energy=1.0,
+        order=lambda X: 0.5 - 0.5 * np.tanh((X[:, 0] - length / 2) / np.sqrt(8)),
+    )
+    system, time = vv.System([body]), 100 * width * width
+    vv.simulate(system, until=time / 2, step=time / 40)
+    begun = body.integral(system.x)
+    vv.simulate(system, until=3 * time / 2, step=time / 40)
+    speed = (body.integral(system.x) - begun) / time * 100 * width
+    assert speed == pytest.approx(0.0 if told else 1.037, abs=0.01)
+    assert any("slow down, or stand still" in remark for remark in body.remarks()) == told

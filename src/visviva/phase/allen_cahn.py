@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError
 from visviva.component.component import settings
 from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
+from visviva.mesh.cells import CELLS
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
 from visviva.mesh.spline import SplineSource
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from visviva.model.state import State
 
 Array = NDArray[np.float64]
+WEAK = 25
+"""Widths of a radius that pulls at interfaces as little as what flat ones are to follow."""
+FREE = 2.5, 4.0
+"""Distances of nodes over the width with which they do, of cells of first and second order."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -89,6 +94,21 @@ class AllenCahn(PhaseBody):
                 f"{self.label}: its mobility vanishes at the order {self.start_values[still[0]]:g} of the start, at "
                 f"({at}): give one that does not"
             )
+
+    def remarks(self) -> list[str]:
+        """Few cells hold flat fronts back, as ``benchmarks/front_speed.py`` prints."""
+        found = super().remarks()
+        if (interface := self.interface()) is None:
+            return found
+        width, spacing = self._resolution(interface)
+        wanted = FREE[any(CELLS[cell].n_nodes > CELLS[cell].n_corners for cell in self.grid.cells)]
+        if width < wanted * spacing * (1 - 1e-9):
+            found.append(
+                f"{self.label}: its interfaces are {width / spacing:.3g} distances of nodes wide; flat ones that are "
+                f"driven less than by a radius of {WEAK} widths slow down, or stand still, along rows of these cells: "
+                f"take {wanted:g} distances or more"
+            )
+        return found
 
     def declare(self, model: Model) -> None:
         self.phase = self.field_in(model, self)
