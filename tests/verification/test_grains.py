@@ -146,3 +146,10 @@ def test_boundaries_that_become_too_thin_are_refused(temperature: Any, when: str
     bodies = [vv.AllenCahn(mesh=mesh, free_energy=alloy, gradient_energy=0.5, order=o) for o in starts]
     with pytest.raises(vv.InputError, match=f"wide {when}.* less than two cells"):
         vv.simulate(vv.System([*bodies, vv.Exclusion(bodies=bodies, strength=10.0)]), until=10.0, step=0.5)
+
+
+@pytest.mark.parametrize(("distances", "told"), [(2.1, True), (2.6, False)])
+def test_boundaries_of_few_cells_are_told(distances: float, told: bool) -> None:
+    """Flat ones stand still along rows of cells under weak drives, see ``benchmarks/front_speed.py``."""
+    *_, exclusion = pair(round(distances * 8 / 2), 1.5)  # two wide
+    assert any("slow down, or stand still" in remark for remark in exclusion.remarks()) == told

@@ -96,19 +96,15 @@ class AllenCahn(PhaseBody):
             )
 
     def remarks(self) -> list[str]:
-        """Few cells hold flat fronts back, as ``benchmarks/front_speed.py`` prints."""
-        found = super().remarks()
-        if (interface := self.interface()) is None:
-            return found
-        width, spacing = self._resolution(interface)
-        wanted = FREE[any(CELLS[cell].n_nodes > CELLS[cell].n_corners for cell in self.grid.cells)]
-        if width < wanted * spacing * (1 - 1e-9):
-            found.append(
-                f"{self.label}: its interfaces are {width / spacing:.3g} distances of nodes wide; flat ones that are "
-                f"driven less than by a radius of {WEAK} widths slow down, or stand still, along rows of these cells: "
-                f"take {wanted:g} distances or more"
-            )
-        return found
+        found = self.interface()
+        return [
+            *super().remarks(),
+            *(
+                []
+                if found is None
+                else held_back(f"{self.label}: its interfaces", self, *self._resolution(found))
+            ),
+        ]
 
     def declare(self, model: Model) -> None:
         self.phase = self.field_in(model, self)
@@ -138,3 +134,14 @@ class AllenCahn(PhaseBody):
             weights = np.einsum("mqk,mq->mk", t.N, t.size)
             np.subtract.at(integral[0], self.phase.start + t.numbers, weights)
         return np.array([self.load.start]), sp.csr_array(integral), np.zeros(1)
+
+
+def held_back(what: str, body: AllenCahn, width: float, spacing: float) -> list[str]:
+    """A remark on few cells, which hold flat fronts back as ``benchmarks/front_speed.py`` prints."""
+    wanted = FREE[any(CELLS[cell].n_nodes > CELLS[cell].n_corners for cell in body.grid.cells)]
+    if width >= wanted * spacing * (1 - 1e-9):
+        return []
+    return [
+        f"{what} are {width / spacing:.3g} distances of nodes wide; flat ones that are driven less than by a radius of "
+        f"{WEAK} widths slow down, or stand still, along rows of these cells: take {wanted:g} distances or more"
+    ]

@@ -15,7 +15,7 @@ from visviva.body.space import Table
 from visviva.component.component import Component, settings
 from visviva.component.values import Number
 from visviva.model.term import Stencils, Term
-from visviva.phase.allen_cahn import AllenCahn
+from visviva.phase.allen_cahn import AllenCahn, held_back
 from visviva.phase.interface import LEVEL
 from visviva.phase.phase_body import warmth
 from visviva.phase.shared_boundary import Side, widths
@@ -98,24 +98,31 @@ class Exclusion(Component):
             self._refuse_thin(time)
         self._resolved: frozenset[tuple[int, ...]] = frozenset({()})
 
-    def _refuse_thin(self, time: float) -> None:
-        """Refuse boundaries that less than two cells resolve; of pairs that are alike one is looked at."""
+    def _boundaries(self, time: float) -> Iterator[tuple[AllenCahn, AllenCahn, float]]:
+        """Order parameters, and how wide the boundary of both is; of pairs that are alike one is looked at."""
         seen: list[tuple[Side, Side]] = []
-        spacing, when = self.bodies[0].space.spacing, f" at t = {time:g}" if time else ""
         for one, other in combinations(self.bodies, 2):
             for sides in across(one, other, time):
-                if sides in seen:
-                    continue
-                seen.append(sides)
-                width = float(widths(sides, self.strength).min())
-                wider = 2 * spacing / width
-                if wider > 1 + ROUGHLY:
-                    raise InputError(
-                        f"{self.label}: with strength = {self.strength:g} the boundary of {one.label} and "
-                        f"{other.label} is {width:.3g} wide{when}, the distance of their nodes {spacing:.3g}: less "
-                        f"than two cells resolve it; take cells of {width / 4:.2g}, a smaller strength, or gradient "
-                        f"energies {wider * wider:.3g} times as large"
-                    )
+                if sides not in seen:
+                    seen.append(sides)
+                    yield one, other, float(widths(sides, self.strength).min())
+
+    def _refuse_thin(self, time: float) -> None:
+        """Refuse boundaries that less than two cells resolve."""
+        spacing, when = self.bodies[0].space.spacing, f" at t = {time:g}" if time else ""
+        for one, other, width in self._boundaries(time):
+            wider = 2 * spacing / width
+            if wider > 1 + ROUGHLY:
+                raise InputError(
+                    f"{self.label}: with strength = {self.strength:g} the boundary of {one.label} and "
+                    f"{other.label} is {width:.3g} wide{when}, the distance of their nodes {spacing:.3g}: less "
+                    f"than two cells resolve it; take cells of {width / 4:.2g}, a smaller strength, or gradient "
+                    f"energies {wider * wider:.3g} times as large"
+                )
+
+    def remarks(self) -> list[str]:
+        first, least = self.bodies[0], min(width for _, _, width in self._boundaries(0.0))
+        return held_back(f"{self.label}: boundaries", first, least, first.space.spacing)
 
     def announce(self, model: Model) -> None:
         for body in self.bodies:
