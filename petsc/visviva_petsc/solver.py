@@ -11,6 +11,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from visviva.base.world import world
 from visviva_petsc.world import owners
 
 Array = NDArray[np.float64]
@@ -38,7 +39,9 @@ class Solver:
 
     def __init__(self, name: str, options: dict[str, str]) -> None:
         self.name, self.message, self.iterations = f"PETSc: {name}", "", 0
-        self.comm = PETSc.COMM_WORLD
+        self.comm = (
+            PETSc.COMM_WORLD if world().size > 1 else PETSc.COMM_SELF
+        )  # MPI may have more, each for itself
         self.prefix = f"{PREFIX}{_made[0]}_"
         _made[0] += 1
         self.options = options

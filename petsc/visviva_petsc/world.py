@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from visviva.base import errors
 from visviva.base.errors import InputError
-from visviva.base.processes import end_all
+from visviva.base.processes import last_words
 from visviva_petsc import refuse_thread
 from visviva_petsc.failing import PATIENCE
 from visviva_petsc.partition import parts_of
@@ -243,7 +243,8 @@ class World:
 
     def abort(self, code: int) -> None:
         """End all of them, whatever they wait for."""
-        end_all(code)
+        last_words()
+        self.comm.Abort(code)
 
     def of_core(self) -> Owners:
         """What the core of a system is told of them."""

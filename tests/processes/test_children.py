@@ -179,3 +179,58 @@ def test_one_that_is_asked_to_end_has_no_error(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(ASKED)
     done = launched(0, str(tmp_path / "script.py"), limit=60)
     assert (done.returncode, done.stdout, done.stderr) == (-15, "", "")
+
+
+EACH = """
+import os
+import sys
+
+from mpi4py import MPI
+
+rank = MPI.COMM_WORLD.rank
+del os.environ["PMI_SIZE"]
+import visviva as vv
+
+
+def block(linear, stiff):
+    solid = vv.Solid(mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2)), material=vv.NeoHooke(young=stiff, poisson=0.3),
+                     density=1.0, angular_velocity=(0, 0, 1), name="block")
+    held = vv.Fixed(solid=solid, nodes="z0")
+    system = vv.System([solid, held, vv.Gravity()], newton=vv.Newton(linear=linear))
+    vv.simulate(system, until=0.2, step=0.05 / (1 + rank))
+    return system.x
+
+
+assert abs(block(vv.Petsc(""), 1.0 + rank) - block(vv.Automatic(), 1.0 + rank)).max() < 1e-10
+print("through")
+"""
+
+
+def test_processes_that_take_themselves_out_have_systems_of_their_own(tmp_path: Path) -> None:
+    """As the refusal advises those who vary parameters: matrices of all were added up by PETSc, without a word."""
+    (tmp_path / "each.py").write_text(EACH)
+    done = launched(2, str(tmp_path / "each.py"), limit=60)
+    assert (done.returncode, done.stdout.split()) == (0, ["through", "through"]), done.stderr
+
+
+TAKEN = """
+import os
+import sys
+
+import visviva as vv
+
+vv.System([vv.PointMass(mass=1.0)])
+rank = os.environ["PMI_RANK"]
+for name in [name for name in os.environ if name.startswith("PMI_")]:
+    del os.environ[name]
+if rank == "1":
+    sys.exit()
+vv.System([vv.PointMass(mass=1.0)])
+"""
+
+
+def test_all_are_ended_whatever_the_environment_has_become(tmp_path: Path) -> None:
+    (tmp_path / "taken.py").write_text(TAKEN)
+    done = launched(2, str(tmp_path / "taken.py"), limit=60)
+    assert done.returncode != 0
+    assert "process 1 of 2 has come to its end, and process 0 waits for it" in done.stderr

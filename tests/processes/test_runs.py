@@ -78,13 +78,43 @@ study = vv.Study(vv.System([water, lid, *walls]), float(sys.argv[2]), 0.25, prob
 vv.run(study, sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
 """
 
+WARM = """
+import sys
+import visviva as vv
+
+table = [(300, 2), (340, 2), (342, 20), (344, 2), (600, 4)]
+plate = vv.ThermalBody(
+    mesh=vv.BoxMesh(size=(1.2, 1, 0.3), counts=(3, 2, 2)), conductivity=4.0, capacity=table, density=1.0,
+    temperature=330.0,
+)
+heat = vv.Heat(conductivity=2.0, capacity=3.0, expansion=1e-3, reference=300.0)
+blocks = [
+    vv.ThermoelasticSolid(mesh=vv.BoxMesh(size=(1, 1, 0.5), counts=(2 - k, 1, 1), origin=(0, 0, 1 + 0.499 * k)),
+                          material=vv.NeoHooke(young=100, poisson=0.3), density=1.0, heat=heat,
+                          temperature=300.0 + 50 * k)
+    for k in range(2)
+]
+contact = vv.Contact(first=blocks[0], first_faces="z1", second=blocks[1], second_faces="z0", initial="press",
+                     enforcement="penalty")
+passes = vv.HeatContact(contact=contact, conductance=5.0)
+parts = [plate, vv.HeatFlux(body=plate, faces="x0", flux="100"), *blocks, contact, passes]
+probes = {"warmth": vv.TemperatureAt(body=plate, at=(0, 0.5, 0.15)), "heat": lambda system: float(passes.heat.sum())}
+study = vv.Study(vv.System(parts), float(sys.argv[2]), 0.1, probes=probes, title="warm")
+vv.run(study, sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
+"""
+"""What remembers its capacity, and heat that contact conducts."""
+
 
 @pytest.mark.parametrize(
     ("script", "probe", "untils"),
-    [(TORI, "active_gaps", (1.12, 1.36, 1.6)), (CAVITY, "force_x", (0.5, 1.0, 1.5))],
-    ids=["tori", "cavity"],
+    [
+        (TORI, "active_gaps", (1.12, 1.36, 1.6)),
+        (CAVITY, "force_x", (0.5, 1.0, 1.5)),
+        (WARM, "heat", (0.5, 1.0, 1.5)),
+    ],
+    ids=["tori", "cavity", "warm"],
 )
-def test_contact_and_flow_go_on_with_another_number_of_processes(
+def test_what_remembers_goes_on_with_another_number_of_processes(
     script: str, probe: str, untils: tuple[float, ...], tmp_path: Path
 ) -> None:
     (tmp_path / "script.py").write_text(script)

@@ -27,7 +27,7 @@ class ContactHeat : public Term {
   public:
     ContactHeat(std::shared_ptr<ContactTerm> contact, ContactWarmth warmth)
         : contact_(std::move(contact)), warmth_(std::move(warmth)) {
-        is_lasting = false;
+        is_lasting = false, is_shown = true;
         surfaces_ = static_cast<int>(warmth_.balance.size());
         const std::size_t n = contact_->gaps().skin().unknown.size();  // frames behind the surfaces have none
         warmth_.balance.resize(n, -1), warmth_.temperature.resize(n, -1);

@@ -7,7 +7,7 @@ namespace visviva {
 Mirror::Mirror(std::shared_ptr<Term> term)
     : term_(std::move(term)),
       can_(term_->capabilities()),
-      is_seen_(can_.search || can_.memory || term_->sees_clock),
+      is_seen_(can_.search || can_.memory || term_->sees_clock || term_->is_shown),
       none_(1, 0.0) {
     name = term_->name, is_lasting = term_->is_lasting;
     needs_rates = term_->needs_rates, sees_clock = term_->sees_clock;

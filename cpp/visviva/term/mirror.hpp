@@ -32,7 +32,7 @@ class Mirror : public Term, public NeighbourSearch {
   private:
     std::shared_ptr<Term> term_;
     TermCapabilities can_;
-    bool is_seen_;                  // whether anything decides by more than the unknowns
+    bool is_seen_;                  // whether anything decides by more than the unknowns, or is shown
     std::vector<double> r_, none_;  // what is left to the other process; its tangent has no equations here
     LedgerSums sums_;
 };

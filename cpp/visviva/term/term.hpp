@@ -153,6 +153,7 @@ class Term {
     bool is_lasting = true;      // may have a part in the rates at an instant: in mass or lasting constraints
     bool needs_rates = false;    // looks at the rates of its unknowns
     bool sees_clock = false;     // may depend on time otherwise than by signals
+    bool is_shown = false;       // results are read from it: in each of several processes
     int entropy_account = -1;    // where entropy is booked that it brings to the equations that balance it
     std::vector<int> account;    // per element: where its energy and work are booked
     std::vector<int> component;  // per element: whose momentum and defect it is

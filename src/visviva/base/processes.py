@@ -22,7 +22,7 @@ world = 1
 """Processes that compute together; what lets them do so sets it."""
 
 
-LAUNCHERS = ("PMI_", "PMIX_", "OMPI_", "HYDI_", "HYDRA_", "MPI_LOCAL")
+LAUNCHERS = ("PMI_", "PMIX_", "OMPI_COMM", "OMPI_MCA_ess", "OMPI_MCA_orte", "HYDI_", "HYDRA_", "MPI_LOCAL")
 """How the names begin by which launchers tell MPI what it is to be part of."""
 MARK = "VISVIVA_PROCESS"
 """Where a process that a launcher started says to those that it starts itself that they are none of its kind."""
@@ -40,17 +40,18 @@ def is_started_by_one() -> bool:
 
 
 def begin_alone(what: str) -> None:
-    """Let MPI begin as one process where one of several has started this one, whose environment names them all.
+    """Let MPI begin as one process where this one is none of those that its environment names, or they were taken out.
 
     Raises
     ------
     InputError
         If MPI has begun before, in the process that forked this one.
     """
-    if not is_started_by_one():
+    is_started = is_started_by_one()
+    if not is_started and any(map(number_in, SIZES)):
         return
     if (module := sys.modules.get("mpi4py.MPI")) is not None:
-        if module.COMM_WORLD.size > 1:
+        if is_started and module.COMM_WORLD.size > 1:
             raise InputError(
                 f"{what}: a process that was forked from one of {module.COMM_WORLD.size} would speak in its name; "
                 "start it anew (multiprocessing.get_context('spawn')), or let it use the solvers of visviva itself"
@@ -58,7 +59,8 @@ def begin_alone(what: str) -> None:
         return
     for name in [name for name in os.environ if name.startswith(LAUNCHERS)]:
         del os.environ[name]
-    os.environ[MARK] = " ".join([os.environ[MARK].split(" ")[0], job(), ""])
+    if is_started:
+        os.environ[MARK] = " ".join([os.environ[MARK].split(" ")[0], job(), ""])
 
 
 def job() -> str:
@@ -83,16 +85,21 @@ def end_all(code: int) -> None:
     """
     if n_told() <= 1:
         return
-    for stream in (sys.stdout, sys.stderr):
-        with suppress(Exception):  # users may have put anything there
-            stream.flush()
-    time.sleep(0.5)  # launchers may drop what they have not passed on yet
+    last_words()
     if (module := sys.modules.get("mpi4py.MPI")) is not None and module.Is_initialized():
         if not module.Is_finalized():
             module.COMM_WORLD.Abort(code)
     elif socket_of_launcher():
         with suppress(OSError, ValueError):
             os.write(int(os.environ["PMI_FD"]), f"cmd=abort exitcode={code}\n".encode())
+
+
+def last_words() -> None:
+    """Have what was said until now come through before all are ended."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):  # users may have put anything there
+            stream.flush()
+    time.sleep(0.5)  # launchers may drop what they have not passed on yet
 
 
 def number_in(name: str) -> int:

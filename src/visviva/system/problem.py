@@ -203,7 +203,7 @@ def project_in_core(system: System, by_blocks: bool) -> None:
         n_entries=len(col),
         symmetric=True,
         n_multipliers=int(constraint.sum()),
-        regularization=regularization,
+        regularization=regularization * WHOLE,
     )
     if world().size > 1:
         system.core.use_rate_linear(list(Petsc().choose(rates).in_order), constraint)

@@ -194,7 +194,10 @@ class ThermalBody(Meshed, HeatCarrier):
         stores = self._stores.times(self.density)
         constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
         kind = PhysicsKind.CONDUCTION if stores.is_constant else PhysicsKind.LATENT_CONDUCTION
-        own, first = shared_out(self.grid), 0
+        remembers = (
+            not stores.is_constant
+        )  # where a step began: one process has it all, and goes on with any number
+        own, first = np.ones(self.grid.n_cells, dtype=bool) if remembers else shared_out(self.grid), 0
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
             some, first = (
                 own[first : first + len(nodes)],
@@ -207,7 +210,8 @@ class ThermalBody(Meshed, HeatCarrier):
             weights[..., 0], weights[..., 1 : 1 + d] = N, gradients
             group = Group(self.temperature_unknowns(nodes[some]), weights)
             term = add_points(model, self, kind, [group], volume, constants)
-            model.announce(self, SharedOut(term))
+            if not remembers:
+                model.announce(self, SharedOut(term))
 
         if self.conductivity_slope or self.capacity_slope:
             unknowns = self.temperature_unknowns(np.arange(self.grid.n_nodes))
