@@ -353,6 +353,7 @@ void ContactTerm::accept(const Context& c) {
     if (sags()) pressed_.end_step(X0_, X1_, S_);
     if (keeps_slides()) keep_slides();
     const std::vector<double> gap = gap1_, area = area1_;
+    const std::vector<Hold> held = hands_over() ? this->held() : std::vector<Hold>();
     std::vector<long> places(gaps_->n());
     for (int A = 0; A < gaps_->n(); ++A) places[A] = gaps_->place(A);
     begin(c.vectors.x1);
@@ -361,6 +362,8 @@ void ContactTerm::accept(const Context& c) {
     for (int A = 0; !has_multipliers() && A < gaps_->n(); ++A)
         if (gaps_->has_left(A)) let_go_ += potential(A, gap[A]);
     if (has_history() && !gaps_->are_of_vertices()) carry_tractions(places);
+    if (hands_over()) let_go_of(held), find_come();
+    if (hands_over() && beside_) hand_over();
 }
 
 // Elastic tractions go with the pair of edges that has them. Those of vertices stay with these, whatever they

@@ -12,6 +12,7 @@
 #include "visviva/contact/friction.hpp"
 #include "visviva/contact/gap_memory.hpp"
 #include "visviva/contact/gaps.hpp"
+#include "visviva/contact/hold.hpp"
 #include "visviva/contact/passage.hpp"
 #include "visviva/contact/piercing.hpp"
 #include "visviva/contact/sags.hpp"
@@ -98,6 +99,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     /// and share pressures with these.
     void stand_beside(std::shared_ptr<ContactTerm> other) {
         other->stands_beside_ = true;
+        gaps_->set_flush(other->gaps_->flush());
         beside_ = std::move(other);
     }
 
@@ -173,6 +175,13 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     void carry_landings(const std::vector<long>& places, const std::vector<double>& gap,
                         const std::vector<double>& area);
     void carry_tractions(const std::vector<long>& places);
+    bool hands_over() const { return sags() && (beside_ || stands_beside_); }
+    Hold hold(int A, const Gap&) const;
+    std::vector<Hold> held() const;
+    void let_go_of(const std::vector<Hold>& held);
+    void find_come();
+    void hand_over();
+    void go_on(const Hold& own);
     bool closed(int A) const;
     double compliance(int A, const Context&) const;
     bool is_rigid_pair() const;
@@ -239,7 +248,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     ContactOptions options_;
     SweptSearch search_;
     std::optional<Piercing> piercing_;
-    std::shared_ptr<const ContactTerm> beside_;
+    std::shared_ptr<ContactTerm> beside_;
     GapMemory pressed_;  // of what sags, pressures
     struct StepSags {
         Sags start, end, landing;
@@ -271,6 +280,7 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     GapMemory landings_;
     static constexpr double in_flight = -HUGE_VAL;
     double let_go_ = 0;  // energy that a penalty had at the end of the last step in what has slid off an edge
+    std::vector<Hold> lost_, come_;  // what held it, and what has come to lie in the other body elsewhere
     void find_roaming();
     std::vector<int> unsettled_gaps_, roaming_;
     std::vector<double> tried_at_;  // where the last attempt at a step began, and how long it was

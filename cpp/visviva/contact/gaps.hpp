@@ -89,6 +89,10 @@ class Gaps {
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.
     virtual void keep_sides() {}
+    /// So far beside the border of a face what touches it is above it, and no edge crosses that border: of
+    /// bodies that are flush one alone holds, whatever rounding does.
+    virtual double flush() const { return 0; }
+    virtual void set_flush(double) {}
     /// How deep the bodies lie in what carries them where a step begins; true if that is something else than
     /// before.
     bool lie(Sags sags) { return std::exchange(sags_, sags) != sags; }
@@ -96,8 +100,11 @@ class Gaps {
     Covers& covers() { return covers_; }
     /// How deep what is at a gap was found, which stores no energy.
     virtual double offset(int /*gap*/) const { return 0; }
+    virtual void set_offset(int /*gap*/, double /*offset*/) {}
     /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
     bool has_left(int gap) const { return !left_.empty() && left_[gap]; }
+    /// Whether it begins with what was found below a side that it did not come in by.
+    bool has_come(int gap) const { return !come_.empty() && come_[gap]; }
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}
     /// Memory of gaps: the way to where the last step began.
@@ -147,7 +154,7 @@ class Gaps {
     Covers covers_;
     int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
-    std::vector<char> left_;
+    std::vector<char> left_, come_;
 };
 
 struct MortarOptions {

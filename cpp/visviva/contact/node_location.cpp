@@ -172,7 +172,8 @@ int NodeToSegment::nearest_side(const double* X, int A) const {
     const double* shares = found.foot.coordinate;
     const bool is_beside = found.foot.n < found.facet.dim ||
                            std::any_of(shares, shares + found.foot.n, [](double share) { return share < 0; });
-    return found.value > 0 && is_beside ? Sides::nearest : found.candidate->facet;
+    const bool is_before = is_beside || !looks(X, A, found.facet.normal(found.foot.simplex));
+    return found.value > 0 && is_before ? Sides::nearest : found.candidate->facet;
 }
 
 // Whether what is found is beyond a side: of another one, or on what that shares with another one.

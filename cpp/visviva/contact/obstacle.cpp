@@ -159,19 +159,20 @@ bool Obstacle::reaches(const double* from, const double* to, int A) const {
     return begin <= end;
 }
 
-// Inside, or as near to it as nudging moves the vertex, so that what touches an edge keeps its side.
+// Inside, there or where nudging moves it, so that what touches an edge keeps its side.
 int Obstacle::nearest_side(const double* X, int A) const {
     if (shape_.core == ObstacleShape::half_space) return Sides::nearest;
-    Scalar q[3];
+    constexpr double rounding = 1e-9;
+    Scalar there[3], q[3];
     const Vector3 y = local(X, A);
     // most are outside, and by more than what nudging them may change
     constexpr double far = 1e-2;
-    if (deepest(q, excesses(shape_, y, q))->v > far * y.norm()) return Sides::nearest;
-    const Vector3 inner = local(X, nudged(X, A));
-    const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : (inner - y).norm() + on_edge();
-    const int n = excesses(shape_, inner, q);
-    const Scalar* nearest = deepest(q, n);
-    return nearest->v < touching && !beyond_edge(q, n) ? static_cast<int>(nearest - q) : Sides::nearest;
+    if (deepest(there, excesses(shape_, y, there))->v > far * y.norm()) return Sides::nearest;
+    const int n = excesses(shape_, local(X, nudged(X, A)), q);
+    const double touching = skin_.mesh_node[skin_.first[A]] ? 0 : rounding * y.norm() + on_edge();
+    for (int k = 0; k < n; ++k)
+        if ((touching > 0 ? std::min(there[k].v, q[k].v) : q[k].v) >= touching) return Sides::nearest;
+    return beyond_edge(q, n) ? Sides::nearest : static_cast<int>(deepest(q, n) - q);
 }
 
 double Obstacle::depth(const double* X, int A, int side) const {

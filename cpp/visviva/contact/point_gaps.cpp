@@ -1,6 +1,7 @@
 #include "visviva/contact/point_gaps.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "visviva/base/parallel.hpp"
@@ -14,7 +15,7 @@ using At = Eigen::Map<const Vector3>;
 
 PointGaps::PointGaps(Skin skin, PointOptions options) : Gaps(std::move(skin)), options_(std::move(options)) {
     n_ = static_cast<int>(options_.areas.size()), copies_ = options_.copies;
-    stencils_.resize(n_), sides_.resize(n_), left_.resize(n_);
+    stencils_.resize(n_), sides_.resize(n_), left_.resize(n_), come_.resize(n_);
     Skin whole = skin_;
     if (!options_.facets.empty()) whole.facets = options_.facets;
     if (!options_.facets.empty() || (skin_.n_first > 0 && deforms(0))) around_.build(whole);
@@ -25,7 +26,10 @@ Vector3 PointGaps::nudged(const double* X, int A) const {
     constexpr double rounding = 1e-9;
     const auto known = std::find_if(middles_.begin(), middles_.end(), [&](auto& m) { return m.X == X; });
     const Vector3 middle = known == middles_.end() ? middle_at(X) : known->place;
-    return At(X + 3 * A) + rounding * (middle - At(X + 3 * A));
+    Vector3 inwards = rounding * (middle - At(X + 3 * A));
+    if (flush_ > 0 && !around_.corners.empty())
+        inwards -= std::sqrt(3.0) * flush_ * around_.by_angles(X, A % (n_ / options_.copies)).normalized();
+    return At(X + 3 * A) + inwards;
 }
 
 // By areas, so that it stays where it is as meshes are refined in parts.
@@ -153,7 +157,11 @@ bool PointGaps::settle(const double* X) {
         for (int A = 0; A < n_; ++A)
             if (is_inside(X, A)) sides[A] = find_side(X, A);
     });
-    for (int A = 0; A < n_; ++A) left_[A] = before[A].face >= 0 && sides_.of(A).face < 0;
+    for (int A = 0; A < n_; ++A) {
+        const Entered& now = sides_.of(A);
+        left_[A] = before[A].face >= 0 && now.face < 0;
+        come_[A] = before[A].face < 0 && now.face >= 0 && now.offset > 0;
+    }
     return changed;
 }
 

@@ -22,8 +22,10 @@ class PointGaps : public Gaps {
                std::vector<Grip>& out) override;
     bool settle(const double* X) override;
     void keep_sides() override { keeps_ = true; }
+    void set_flush(double flush) override { flush_ = flush; }
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     double offset(int gap) const override { return sides_.of(gap).offset; }
+    void set_offset(int gap, double offset) override { sides_.amend(gap, {sides_.of(gap).face, offset}); }
     void mark_tangent() override { sides_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { sides_.write(m); }
     void read_memory(const double*& m) override { sides_.read(m); }
@@ -118,6 +120,7 @@ class PointGaps : public Gaps {
         Eigen::Vector3d place;
     };
     mutable std::vector<Middle> middles_;
+    double flush_ = 0;
     bool keeps_ = false, static_ = false;
 };
 

@@ -15,11 +15,10 @@ using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 using Pair = SharpPairs::Pair;
 
-constexpr double at_end = 1e-9;  // part of an edge by which places at its ends are none of it: rounding
-constexpr double beside = 0.1;   // sine by which normals may lie beside those of a part: faces on each other
-constexpr double coming = 0.5;   // part of an edge beyond its ends, and sine, from where a step may come
-constexpr double close = 0.01;   // part of the depth that is seen, so near that what meets needs a gap
-constexpr double again = 0.35;   // of the reach: so far bodies may move until the next search
+constexpr double beside = 0.1;  // sine by which normals may lie beside those of a part: faces on each other
+constexpr double coming = 0.5;  // part of an edge beyond its ends, and sine, from where a step may come
+constexpr double close = 0.01;  // part of the depth that is seen, so near that what meets needs a gap
+constexpr double again = 0.35;  // of the reach: so far bodies may move until the next search
 
 /// What a gap holds in a step.
 struct Held {
@@ -48,7 +47,13 @@ class SharpGaps : public Gaps {
     bool settle(const double* X) override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void keep_sides() override { keeps_ = true; }
+    double flush() const override { return pairs_.flush(); }
     double offset(int gap) const override { return keeps_ ? 0 : held_.of(gap).offset; }
+    void set_offset(int gap, double offset) override {
+        Held held = held_.of(gap);
+        held.offset = offset;
+        held_.amend(gap, held);
+    }
     void mark_tangent() override { held_.mark_tangent(); }
     void write_memory(std::vector<double>& m) const override { m.push_back(unheld_), held_.write(m); }
     void read_memory(const double*& m) override {
@@ -121,7 +126,10 @@ SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) con
     const auto before = std::find_if(held.begin(), held.end(), [&](const Held& h) { return h.pair == pair; });
     const double gap = pairs_.meeting(X, pair).distance, deep = std::max(-gap, 0.0);
     const bool is_new = before == held.end(), stays = !is_new && before->meets && !goes_by(*before);
-    Held next{pair, pairs_.meets(X, pair, -at_end, beside, stays), gap >= 0, 0};
+    Held next{pair, pairs_.meets(X, pair, 0, beside, stays), gap >= 0, 0};
+    if (stays && !next.meets)
+        next.meets =
+            pairs_.leaves(held_.start().data(), X, pair) && pairs_.meets(X, pair, HUGE_VAL, beside, stays);
     if (next.meets && !static_ && !held_.start().empty())
         next.offset = is_new || !sees(X, *before) ? deep : std::min(before->offset, deep);
     return {next, gap};
@@ -166,14 +174,17 @@ std::vector<Held> SharpGaps::hold(const double* X) {
 bool SharpGaps::settle(const double* X) {
     const std::vector<double> here{X, X + skin_.constant.size()};
     const std::vector<Held> before = held_.all();
-    left_.assign(n_, 0);
+    left_.assign(n_, 0), come_.assign(n_, 0);
     if (!held_.settle(here, [&](std::vector<Held>& held) { held = hold(X); })) return false;
     take_stencils();
     const auto& now = held_.all();
-    for (int A = 0; A < n_; ++A)
-        left_[A] = before[A].meets && std::none_of(now.begin(), now.end(), [&](const Held& h) {
-                       return h.meets && h.pair == before[A].pair;
-                   });
+    const auto is_among = [](const std::vector<Held>& all, const Held& one) {
+        return std::any_of(all.begin(), all.end(), [&](auto& h) { return h.meets && h.pair == one.pair; });
+    };
+    for (int A = 0; A < n_; ++A) {
+        left_[A] = before[A].meets && !is_among(now, before[A]);
+        come_[A] = now[A].meets && now[A].offset > 0 && !is_among(before, now[A]);
+    }
     return true;
 }
 
@@ -206,7 +217,7 @@ bool SharpGaps::is_over(const double* X, const Held& held) const {
 }
 
 // What multipliers hold in time they hold for the whole of a step, wherever that leads. So do penalties with
-// corners that lie in a face: what slides off it would fall for the rest of that.
+// what lies in the other body: what slides off would fall for the rest of that.
 bool SharpGaps::sees(const double* X, const Held& held) const {
     const bool is_seen = held.pair.number >= 0 && sees_sharp(X, held);
     return is_seen &&
@@ -214,15 +225,20 @@ bool SharpGaps::sees(const double* X, const Held& held) const {
 }
 
 bool SharpGaps::sees_sharp(const double* X, const Held& held) const {
-    if (static_) return pairs_.meets(X, held.pair, -at_end, beside, false);
+    if (static_) return pairs_.meets(X, held.pair, 0, beside, false);
     if ((!held.meets && !held.opens) || goes_by(held)) return false;
     if (keeps_) return held.meets && pairs_.meeting(X, held.pair).sine > 0;
     if (comes(held)) {
         if (is_over(X, held)) return pairs_.meets(X, held.pair, HUGE_VAL, beside);
         if (pairs_.comes_past(held_.start().data(), X, held.pair)) return false;
     }
-    const bool lies = held.meets && !held.opens && !pairs_.has_signs(held.pair.number);
-    return pairs_.meets(X, held.pair, lies ? HUGE_VAL : -at_end, beside, held.meets);
+    const bool crosses = pairs_.has_signs(held.pair.number);
+    const bool is_open = pairs_.meeting(X, held.pair).distance >= 0,
+               comes_in = crosses && held.opens && !is_open;
+    if (comes_in && !pairs_.touch(held_.start().data(), X, held.pair)) return false;
+    const bool lies =
+        crosses ? held.meets || (comes_in && pairs_.slides_in(X, held.pair)) : held.meets && !held.opens;
+    return pairs_.meets(X, held.pair, lies ? HUGE_VAL : 0, beside, held.meets);
 }
 
 void SharpGaps::values(const double* X, double* gap, double* area) {

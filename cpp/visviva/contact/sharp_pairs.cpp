@@ -10,11 +10,10 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 
-constexpr double parallel = 1e-2;   // sine of an angle below which edges do not cross
-constexpr double at_border = 1e-6;  // part of its size by which corners may be beside a face: flush bodies
-constexpr double out = 0.1;         // sine of an angle by which corners there lead out: more than bodies tilt
-constexpr double looking = 0.1;     // sine by which edges of a corner may lead to a face that it looks at
-constexpr double shallow = 0.04;  // part of the depth that is seen by which corners at a border may be in it
+constexpr double parallel = 1e-2;  // sine of an angle below which edges do not cross
+constexpr double out = 0.1;        // sine of an angle by which corners there lead out: more than bodies tilt
+constexpr double looking = 0.1;    // sine by which edges of a corner may lead to a face that it looks at
+constexpr double shallow = 0.04;   // part of the depth that is seen by which corners at a border may be in it
 
 }  // namespace
 
@@ -106,8 +105,10 @@ struct SharpPairs::Ridge {
         return left.cross(n).dot(along) >= -sine && n.cross(right).dot(along) >= -sine &&
                n.dot(left + right) > 0;
     }
-    /// Whether a place lies below both facets.
-    bool holds(const Vector3& x) const { return (x - a).dot(left) < 0 && (x - a).dot(right) < 0; }
+    /// Whether a place lies below both facets, or above one by no more than this.
+    bool holds(const Vector3& x, double beside = 0) const {
+        return (x - a).dot(left) < beside && (x - a).dot(right) < beside;
+    }
 };
 
 // A place in the body of a corner, this far from it between its edges.
@@ -237,8 +238,7 @@ bool SharpPairs::comes_past(const double* X0, const double* X, const Pair& pair)
     const double t = std::clamp(before.distance / (before.distance - after.distance), 0.0, 1.0);
     const Eigen::Vector4d shares = (1 - t) * before.shares + t * after.shares;
     const Vector3 foot = foot_at(X0, pair, shares);
-    return inside(X0, face(pair.number), foot, -before.normal) < -at_border * size(X, pair) &&
-           !goes_on(X0, pair, foot);
+    return inside(X0, face(pair.number), foot, -before.normal) < -flush() && !goes_on(X0, pair, foot);
 }
 
 bool SharpPairs::is_over_flush(const double* X0, const double* X, const Pair& pair) const {
@@ -277,12 +277,56 @@ bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m,
     for (int side : {0, 1}) {
         const At a(X + 3 * v[2 * side]), b(X + 3 * v[2 * side + 1]);
         const double from_end = std::min(places[side], 1 - places[side]);
-        if (from_end < -beyond) return false;
+        if (from_end < -beyond || (beyond <= 0 && from_end * (b - a).norm() < flush())) return false;
         const bool is_near = -m.distance > 2 * from_end * (b - a).norm();
         const At end = places[side] < 0.5 ? a : b;
         if (beyond <= 0 && !stays && is_near && ridges[1 - side].holds(end)) return false;
     }
     return ridges[0].looks(-m.normal, sine) && ridges[1].looks(m.normal, sine);
+}
+
+bool SharpPairs::touch(const double* X0, const double* X, const Pair& pair) const {
+    const Meeting before = meeting(X0, pair), after = meeting(X, pair);
+    const double t = std::clamp(before.distance / (before.distance - after.distance), 0.0, 1.0);
+    const Eigen::Vector4d shares = (1 - t) * before.shares + t * after.shares;
+    const auto v = stencil(pair.number);
+    for (int side : {0, 1}) {
+        const double place = side == 0 ? shares[1] : -shares[3];
+        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
+        if (std::min(place, 1 - place) * length < flush()) return false;
+    }
+    return true;
+}
+
+bool SharpPairs::leaves(const double* X0, const double* X, const Pair& pair) const {
+    constexpr double overhang = 10;  // times the depth: what rests leaves at once
+    if (!has_signs(pair.number) || slides_in(X, pair)) return false;
+    const Meeting m = meeting(X, pair);
+    if (m.distance >= 0) return false;
+    if (m.distance > meeting(X0, pair).distance) return true;
+    const auto v = stencil(pair.number);
+    for (int side : {0, 1}) {
+        const double place = side == 0 ? m.shares[1] : -m.shares[3];
+        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
+        if (std::min(place, 1 - place) * length < overhang * m.distance) return false;
+    }
+    return true;
+}
+
+bool SharpPairs::slides_in(const double* X, const Pair& pair) const {
+    constexpr double same = 0.9;  // least agreement of normals
+    const Meeting m = meeting(X, pair);
+    const double places[2] = {m.shares[1], -m.shares[3]};
+    const auto v = stencil(pair.number);
+    return std::any_of(std::begin(places), std::end(places), [&](const double& place) {
+        const int side = static_cast<int>(&place - places);
+        const At a(X + 3 * v[2 * side]), b(X + 3 * v[2 * side + 1]);
+        if (std::min(place, 1 - place) * (b - a).norm() >= flush()) return false;
+        const Ridge other(X, edge(pair.number, 1 - side));
+        const Vector3 out = side == 0 ? m.normal : Vector3(-m.normal);
+        return other.holds(place < 0.5 ? a : b, flush()) &&
+               std::max(other.left.dot(out), other.right.dot(out)) > same;
+    });
 }
 
 // What is nearer to the border of a face than half as deep, or to an end of an edge that lies inside, leaves
@@ -296,7 +340,7 @@ bool SharpPairs::meets(const double* X, const Pair& pair, double beyond, double 
     const auto v = stencil(pair.number);
     const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
     const double in = inside(X, face(pair.number), foot, -m.normal);
-    const double border = at_border * size(X, pair);
+    const double border = flush();
     if (in < -std::max(beyond * size(X, pair), border)) return false;
     if (beyond <= 0 && std::abs(in) < border && passes_by(X, pair, m, in, border)) return false;
     if (beyond <= 0 && !stays && -m.distance > 2 * std::max(in, 0.0) + shallow * depth_) return false;

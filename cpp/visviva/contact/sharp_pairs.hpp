@@ -27,11 +27,22 @@ class SharpPairs {
     std::array<int, 4> stencil(long number) const;
     Meeting meeting(const double* X, const Pair& pair) const;
     bool has_signs(long number) const { return number < n_crossing(); }
+    /// So far corners may be beside a face, and edges that end there are none.
+    double flush() const { return 2e-6 * depth_; }
 
     /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
     /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
     /// What `stays` met before: it came in there, and may be deeper than what is found in there.
     bool meets(const double* X, const Pair& pair, double beyond, double sine, bool stays = false) const;
+
+    /// Whether edges that come into each other from where a step began, at X0, cross where they first touch.
+    bool touch(const double* X0, const double* X, const Pair& pair) const;
+    /// Whether edges have slid past an end of one that lies below a facet of the other one which looks as
+    /// they do: its vertex takes over.
+    bool slides_in(const double* X, const Pair& pair) const;
+    /// Whether edges that have slid past an end into the open still come out of each other, or hardly hang
+    /// over.
+    bool leaves(const double* X0, const double* X, const Pair& pair) const;
 
     /// Whether one body goes by there: it has sagged below the edge of the other one that meets it.
     bool has_sagged(const double* X, const Pair& pair) const;

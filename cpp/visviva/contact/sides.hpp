@@ -50,6 +50,11 @@ class SidesOf {
         return take(std::move(next));
     }
     void mark_tangent() { at_tangent_ = at_; }
+    /// Another side than was found where the step begins.
+    void amend(int gap, const Side& side) {
+        at_.side[gap] = side;
+        if (now_.X == at_.X) now_.side[gap] = side;
+    }
 
     void write(std::vector<double>& m) const {
         for (const Record* r : {&now_, &at_tangent_}) {
