@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.body.element import geometry
+from visviva.body.solid_fields import linear
 from visviva.flow.elements import SIMPLICES, STABILISED, Batch
 from visviva.mesh.cells import CELLS
 from visviva.mesh.geometry import jacobians
@@ -30,6 +31,8 @@ class Carried:
     ----------
     N, G, size : arrays (q, k), (m, q, k, d), (m, q)
         Shape functions, their gradients, volumes.
+    N1, G1 : arrays (q, k), (m, q, k, d)
+        The pressures' functions at the corners, zero at other nodes, and their gradients.
     laplace : array (m, q, k)
         Second derivatives of the shape functions, summed: of gradients that are interpolated by the same functions.
     metric, square, length : arrays (m, q, d, d), (m, q), (m,)
@@ -42,6 +45,10 @@ class Carried:
         d = self.G.shape[-1]
         halved = 1.0 if batch.cell in STABILISED else 4.0
         back = np.linalg.inv(jacobians(batch.points, batch.nodes, CELLS[batch.cell].dN(batch.rule.points)))
+        self.N1 = at_corners(batch.cell, batch.rule.points)
+        corners = linear(CELLS[batch.cell]).dN(batch.rule.points)
+        others = self.G.shape[2] - corners.shape[1]
+        self.G1 = np.pad(corners @ back, [(0, 0), (0, 0), (0, others), (0, 0)])
         self.metric = halved * np.swapaxes(back, -1, -2) @ batch.shape @ back
         self.square = (
             9 * np.sum(self.metric**2, axis=(-2, -1)) / d
@@ -61,8 +68,17 @@ class Carried:
         return np.asarray(of_nodes @ values)
 
 
+def at_corners(cell: str, points: Array) -> Array:
+    """Functions (q, k) of the corners of a cell at points, those of a fluid's pressures: zero for its other nodes."""
+    found = linear(CELLS[cell]).N(points)
+    return np.pad(found, [(0, 0), (0, len(CELLS[cell].nodes) - found.shape[1])])
+
+
 class CarriedHeat(Term):
     """``c (T' + div(v T)) - div(k grad T)`` of temperatures above the reference, with SUPG and capturing.
+
+    The velocity's divergence vanishes against the pressures' functions alone. So transport is tested by these in the
+    form that balances heat, and by what test functions have beyond them in the convective form, which keeps constants.
 
     The unknowns are the temperatures of an element's nodes and then their velocities.
 
@@ -110,13 +126,14 @@ class CarriedHeat(Term):
         return x[:, :k], x[:, k:].reshape(len(x), k, -1)
 
     def _at(self, s: Stencils) -> tuple[Array, ...]:
-        """Temperature above the reference, its slope, velocity, its gradient, what it carries (m, q, k)."""
+        """Temperature above the reference, its slope, velocity, its gradient, ``v . grad`` (m, q, k) of N and N1."""
         T, v = self.split(s.x)
         e = self.e
         value, slope = (T - self.zero) @ e.N.T, np.einsum("mqkd,mk->mqd", e.G, T, optimize=True)
         at = np.einsum("qk,mkd->mqd", e.N, v)
         L = np.einsum("mki,mqkj->mqij", v, e.G, optimize=True)
-        return value, slope, at, L, np.einsum("mqkd,mqd->mqk", e.G, at, optimize=True)
+        carried, through = (np.einsum("mqkd,mqd->mqk", G, at, optimize=True) for G in (e.G, e.G1))
+        return value, slope, at, L, carried, through
 
     def _heating(self, L: Array) -> tuple[Array, Array]:
         """Heat (m, q) by viscosity, and its derivative (m, q, d, d) by the velocity's gradient."""
@@ -148,31 +165,36 @@ class CarriedHeat(Term):
 
     # --- the term ------------------------------------------------------------------------------------------
     def residual(self, s: Stencils) -> Array:
-        value, slope, v, L, carried = self._at(s)
+        value, slope, v, L, carried, through = self._at(s)
         rate, e, k = self.split(s.rate)[0] @ self.e.N.T, self.e, self.k
         found = np.zeros_like(s.x1)
-        k_all, along = np.full_like(value, k), -self.c * value
+        k_all, along = np.full_like(value, k), np.zeros_like(value)
         if self.is_stabilised or self.capturing:
             R = self._excess(s, slope, v, L)
             k_all = k_all + (self._captured(R, slope)[0] if self.capturing else 0.0)
             along = along + (self._tau(v)[0] * R if self.is_stabilised else 0.0)
         own = self.c * e.size * rate @ e.N
+        own += self.c * (e.size * np.sum(v * slope, axis=-1)) @ (e.N - e.N1)
+        own -= self.c * np.einsum("mqk,mq->mk", through, e.size * value, optimize=True)
         own += np.einsum("mqkd,mqd->mk", e.G, (e.size * k_all)[..., None] * slope, optimize=True)
         own += np.einsum("mqk,mq->mk", carried, e.size * along, optimize=True)
         found[:, : e.N.shape[1]] = own
         return found
 
     def tangent(self, s: Stencils) -> Array:
-        value, slope, v, L, carried = self._at(s)
+        value, slope, v, L, carried, through = self._at(s)
         e, c, th, n = self.e, self.c, s.step.theta, self.e.N.shape[1]
         m, q, _, d = e.G.shape
         w, N = e.size[..., None], np.broadcast_to(e.N, (m, q, n))
         by_T = product(c * s.step.transport_factor * w * N, N)
         flat = e.G.transpose(0, 1, 3, 2).reshape(m, q * d, n)
         each = np.repeat(e.size, d, axis=1)[..., None]
-        by_T += product(th * self.k * each * flat, flat) - product(th * c * w * carried, N)
-        turned = e.G * (-th * c * e.size * value)[..., None, None]
+        by_T += product(th * self.k * each * flat, flat) - product(th * c * w * through, N)
+        rest = np.broadcast_to(th * c * w * (e.N - e.N1), (m, q, n))
+        by_T += product(rest, carried)
+        turned = e.G1 * (-th * c * e.size * value)[..., None, None]
         by_v = np.einsum("mqaj,qb->mabj", turned, e.N, optimize=True)
+        by_v += pairs(rest, e.N[:, :, None] * slope[:, :, None, :])
         if self.is_stabilised or self.capturing:
             R = self._excess(s, slope, v, L)
             R_T = c * (s.step.transport_factor * N + th * carried) - th * self.k * e.laplace
@@ -285,40 +307,52 @@ class Buoyancy(Term):
 class HeatOutflow(Term):
     """Heat that leaves with the fluid; what comes in has the reference temperature, unless nodes there are held.
 
-    The unknowns are the temperatures and then the velocities of the nodes of a face.
+    The unknowns are the temperatures and then the velocities of the nodes of a face, N1 the pressures' functions there:
+    as `CarriedHeat` tests, they let out what leaves, and the rest pulls what comes in to the reference.
     """
 
     kind = "outflow"
     brings = "heat"
 
     def __init__(
-        self, unknowns: NDArray[np.int32], N: Array, across: Array, content: float, zero: float
+        self,
+        unknowns: NDArray[np.int32],
+        N: Array,
+        N1: Array,
+        across: Array,
+        content: float,
+        zero: float,
     ) -> None:
         super().__init__()
         self.unknowns, self.order = unknowns, np.ones(unknowns.shape[1], dtype=np.int32)
-        self.N, self.across, self.c, self.zero = N, across, content, zero
+        self.N, self.N1, self.across, self.c, self.zero = N, N1, across, content, zero
 
     def _through(self, s: Stencils) -> tuple[Array, Array]:
-        """Volume (m, q) that leaves per time, and temperature there above the reference."""
+        """Volume (m, q) that leaves per time, less what comes in, and temperature there above the reference."""
         k = self.N.shape[1]
         v = np.einsum("qk,mkd->mqd", self.N, s.x[:, k:].reshape(len(s.x1), k, -1))
-        return np.maximum(np.sum(v * self.across, axis=-1), 0.0), (s.x[:, :k] - self.zero) @ self.N.T
+        return np.sum(v * self.across, axis=-1), (s.x[:, :k] - self.zero) @ self.N.T
+
+    def _tested(self, volume: Array) -> Array:
+        """Derivative (m, q, k) by the volume of what it carries by temperature."""
+        return np.where(volume[..., None] > 0, self.N1, self.N1 - self.N)
 
     def residual(self, s: Stencils) -> Array:
         volume, T = self._through(s)
         found = np.zeros_like(s.x1)
-        found[:, : self.N.shape[1]] = (self.c * volume * T) @ self.N
+        found[:, : self.N.shape[1]] = np.einsum("mq,mqk->mk", self.c * volume * T, self._tested(volume))
         return found
 
     def tangent(self, s: Stencils) -> Array:
         volume, T = self._through(s)
-        n, factor = self.N.shape[1], s.step.theta * self.c
+        n, factor, test = self.N.shape[1], s.step.theta * self.c, self._tested(volume)
         K = np.zeros((len(s.x1), s.x1.shape[1], s.x1.shape[1]))
-        K[:, :n, :n] = np.einsum("mq,qa,qb->mab", factor * volume, self.N, self.N)
-        leaving = (factor * T * (volume > 0))[..., None] * self.across
-        K[:, :n, n:] = np.einsum("mqd,qa,qb->mabd", leaving, self.N, self.N).reshape(len(K), n, -1)
+        K[:, :n, :n] = np.einsum("mq,mqa,qb->mab", factor * volume, test, self.N, optimize=True)
+        across = (factor * T)[..., None] * self.across
+        by_v = np.einsum("mqd,mqa,qb->mabd", across, test, self.N, optimize=True)
+        K[:, :n, n:] = by_v.reshape(len(K), n, -1)
         return K
 
     def work(self, s: Stencils) -> Array:
         volume, T = self._through(s)
-        return np.asarray(-s.step.h * self.c * np.sum(volume * T, axis=1))
+        return np.asarray(-s.step.h * self.c * np.sum(np.maximum(volume, 0.0) * T, axis=1))

@@ -13,12 +13,22 @@ from visviva.base.errors import InputError, RunError
 from visviva.body.mesh_points import FacePoints, Points, face_points
 from visviva.component.component import Component, settings
 from visviva.component.values import Number, NumberAtPlace, Pairs
+from visviva.flow.boundary_faces import flux_weights
 from visviva.flow.conditions import Condition
 from visviva.flow.fluid import Fluid
 from visviva.load.gravity import Gravity
 from visviva.mesh.faces import Faces, chosen_nodes
+from visviva.mesh.quadrature import mass_rule
 from visviva.model.field import Field, Role
-from visviva.thermal.carried_heat import Buoyancy, Carried, CarriedHeat, HeatOutflow, Source, ViscousHeat
+from visviva.thermal.carried_heat import (
+    Buoyancy,
+    Carried,
+    CarriedHeat,
+    HeatOutflow,
+    Source,
+    ViscousHeat,
+    at_corners,
+)
 from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part
 from visviva.thermal.lift import StabilisedLift
 
@@ -27,6 +37,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+SOON = 1e-3
+"""Time at which what grows from nothing is told from what stays so."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -44,7 +56,9 @@ class FluidHeat(HeatCarrier):
         At the start.
     reference : float, optional
         The temperature at which the heat content is zero and the density that of the fluid, and of what comes in
-        through openings whose temperature nobody prescribes; by default the mean at the start.
+        through openings whose temperature nobody prescribes; by default the mean at the start. On elements of first
+        order (quad4, tri3, hex8, tet4) constant temperatures away from it are kept only to their order, where streams
+        bend: take that of the inflow. Those of second order keep all constants.
     expansion : float
         Growth of volume per temperature: what is warm weighs less (Boussinesq) where there is `Gravity`.
     viscous_heating : bool
@@ -149,6 +163,7 @@ class FluidHeat(HeatCarrier):
         self.heat = model.field(self, "temperature", start, role=Role.CONTENT, scale=scale, least=least)
         self.fluid.carried["temperature"] = self.temperatures
         self._sources: list[list[Source]] = [[] for _ in self.fluid.batches]
+        self._held: list[GivenTemperatures] = []
 
     @property
     def warmth(self) -> tuple[Field, Field]:
@@ -165,6 +180,7 @@ class FluidHeat(HeatCarrier):
 
     def hold_temperatures(self, model: Model, owner: Component, given: GivenTemperatures) -> None:
         shared = given.shared(owner.label, self.fluid.number)
+        self._held.append(given)
         try:
             model.prescribe(owner, self.heat, shared.nodes, shared.values, shared.rates, shared.kinks)
         except RunError as error:
@@ -224,14 +240,43 @@ class FluidHeat(HeatCarrier):
         for condition in model.announced(self.fluid, Condition):
             if not (condition.is_open or condition.prescribes):
                 continue
-            for p in face_points(self.grid, condition.chosen):
+            faces = condition.chosen
+            for cell, p in zip(faces.cells, face_points(self.grid, faces), strict=True):
                 across = (p.size[:, :, None] * p.normal)[:, :, :d]
-                model.term(self, HeatOutflow(self._unknowns(p.nodes), p.N, across, self.content, self._zero))
+                shapes = p.N, at_corners(cell, mass_rule(cell).points)
+                model.term(
+                    self, HeatOutflow(self._unknowns(p.nodes), *shapes, across, self.content, self._zero)
+                )
 
     def remarks(self) -> list[str]:
-        if not self.expansion or np.any(self.fluid._gravity):
+        found = self._on_reference()
+        if self.expansion and not np.any(self.fluid._gravity):
+            found.append(f"{self.label}: its expansion lifts nothing without vv.Gravity")
+        return found
+
+    def _on_reference(self) -> list[str]:
+        """On fluid that comes in at other temperatures than the reference, which equal orders do not keep."""
+        if not self.fluid.is_stabilised:
             return []
-        return [f"{self.label}: its expansion lifts nothing without vv.Gravity"]
+        brought = [T for time in (0.0, SOON) for T in self._brought(time)]
+        apart = max(brought, key=lambda T: abs(T - self._zero), default=self._zero)
+        if abs(apart - self._zero) <= 1e-6 * max(abs(apart), abs(self._zero)):
+            return []
+        return [
+            f"{self.label}: fluid comes in at {apart:g}, and the reference is {self._zero:g}; with velocities and "
+            "pressures of equal order temperatures are off by a share of the difference where the stream bends; give "
+            "reference=..., that of the inflow, or take elements of second order, 'Q2Q1' or 'P2P1'"
+        ]
+
+    def _brought(self, time: float) -> Iterator[float]:
+        """Temperatures that are held where prescribed velocities lead into the fluid."""
+        enters = np.zeros(self.grid.n_nodes, dtype=bool)
+        for condition in self.fluid.conditions.listed:
+            if condition.prescribes:
+                parts = flux_weights(self.grid, condition.chosen) * condition.velocities_at(time)
+                enters |= parts.sum(axis=1) < -1e-9 * np.abs(parts).max(initial=0.0)
+        for given in self._held:
+            yield from given.values(time)[enters[given.nodes]]
 
     # --- what it shows -------------------------------------------------------------------------------------
     def temperatures(self, x: Array) -> Array:
