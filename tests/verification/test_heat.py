@@ -294,3 +294,21 @@ def test_radiation_that_overflows_fails_the_step() -> None:
         vv.simulate(system, until=1e6, step=1e6)
     assert system.time == 0
     assert body.temperatures(system.x).max() == 1e-10
+
+
+@pytest.mark.parametrize("noise", [1e-13, 1e-9, 1e-5])
+def test_what_starts_even_but_for_an_earlier_run_takes_steps(noise: float) -> None:
+    """Increments were measured by these differences, far below what numbers of such temperatures resolve."""
+    ends = []
+    for off in (0.0, noise):
+        body = vv.ThermalBody(
+            mesh=vv.BoxMesh(size=(0.1, 0.01, 0.01), counts=(20, 1, 1)),
+            conductivity=50.0,
+            capacity=3.6e6,
+            temperature=lambda X, off=off: 300 + off * np.sin(1e5 * X[:, 0]),
+        )
+        system = vv.System([body, vv.HeatFlux(body=body, faces="x1", flux=1e4)])
+        vv.simulate(system, until=100.0, step=10.0)
+        ends.append(body.temperatures(system.x))
+    np.testing.assert_allclose(ends[1], ends[0], atol=2 * noise + 1e-10)
+    assert ends[0].max() > 305

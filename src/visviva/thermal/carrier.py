@@ -34,6 +34,20 @@ Law = Callable[[float, Array, Array], tuple[Array, Array]]
 """Heat (m, q) per time and size that flows in and its derivative by the temperature, of time, place and temperature."""
 
 
+EVEN = 1e-6
+"""Temperatures whose differences are this part of them are uniform but for what an earlier run has left."""
+
+
+def large_change(start: Array, zero: float = 0.0) -> float:
+    """A large change of temperatures (n,): their differences, else what they are above a zero, else 1.
+
+    What an earlier run has left is uniform but for rounding, and no step is known to that.
+    """
+    least = EVEN * float(np.abs(start).max())
+    sizes = float(np.ptp(start)), float(np.abs(start - zero).max())
+    return next((size for size in sizes if size > least), 1.0)
+
+
 def known_part(start: Array, scale: float) -> float:
     """Part of a scale that changes of temperatures (n,) are known to reach: their differences, little if uniform."""
     return min(1.0, max(float(np.ptp(start)), FAINT * float(np.abs(start).max())) / scale)

@@ -29,7 +29,7 @@ from visviva.thermal.carried_heat import (
     ViscousHeat,
     at_corners,
 )
-from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part, large_change
 from visviva.thermal.lift import StabilisedLift
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ class FluidHeat(HeatCarrier):
             )
         start = np.zeros(self.fluid.n_numbers)
         start[self.fluid.number] = self.start_temperatures
-        scale = float(np.ptp(start)) or float(np.abs(start - self._zero).max()) or 1.0
+        scale = large_change(start, self._zero)
         self._scale = scale
         least = known_part(self.start_temperatures - self._zero, scale)
         self.heat = model.field(self, "temperature", start, role=Role.CONTENT, scale=scale, least=least)

@@ -27,7 +27,7 @@ from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
 from visviva.thermal.capacity import capacity_of
-from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part
+from visviva.thermal.carrier import GivenTemperatures, HeatCarrier, HeatInput, Law, known_part, large_change
 
 if TYPE_CHECKING:
     from visviva.model.model import Model
@@ -172,7 +172,7 @@ class ThermalBody(Meshed, HeatCarrier):
     # --- what it contributes -------------------------------------------------------------------------------
     def declare(self, model: Model) -> None:
         T = self.start_temperatures
-        scale = float(np.ptp(T)) or float(np.abs(T).max()) or 1.0
+        scale = large_change(T)
         least = known_part(T, scale)
         self.heat = model.field(self, "temperature", T, role=Role.CONTENT, scale=scale, least=least)
 
