@@ -111,3 +111,30 @@ def test_flows_that_are_set_going_are_measured_by_their_speed() -> None:
     assert heavy == pytest.approx(large, abs=1e-3)
     assert taken == pytest.approx(steps, abs=2)
     assert small == pytest.approx(large, abs=1e-3)
+
+
+@pytest.mark.parametrize("scheme", [vv.EnergyMomentum(), vv.BDF2()], ids=str)
+def test_pulses_between_the_ends_of_steps_are_seen(scheme: vv.Scheme) -> None:
+    """Of heat by an expression, on for a fifth of each period, a half and more was passed over, the balance exact."""
+    body = vv.ThermalBody(
+        mesh=vv.BoxMesh(size=(1, 1, 1), counts=(4, 1, 1)),
+        conductivity=50.0,
+        capacity=100.0,
+        temperature=300.0,
+    )
+    system = vv.System([body, vv.HeatSource(body=body, power="50 * max(sin(2 * pi * t / 100) - 0.8, 0)")])
+    result = vv.simulate(system, until=1000.0, step=1.0, scheme=scheme, adaptive=vv.Adaptive(tolerance=1e-4))
+    half = np.arccos(0.8)
+    pulse = 50 * 100 / (2 * np.pi) * (2 * np.sin(half) - 1.6 * half)
+    assert result.ledger["heat_source"][-1] == pytest.approx(10 * pulse, rel=0.005)
+    assert np.diff(result.times).max() > 10  # where there is none
+
+
+def test_short_forces_are_seen() -> None:
+    """It was not there at the ends and middles of long steps: v stayed 0."""
+    ball = vv.PointMass(mass=1.0)
+    pulse = "smoothstep((t - 100) / 0.5) * (1 - smoothstep((t - 101) / 0.5))"
+    system = vv.System([ball, vv.Force(on=ball, force=(1, 0, 0), times=pulse)])
+    result = vv.simulate(system, until=200.0, step=0.5, adaptive=vv.Adaptive(tolerance=1e-4))
+    assert system.v[0] == pytest.approx(1.0, abs=0.02)
+    assert result.statistics.steps < 100

@@ -119,19 +119,26 @@ def test_what_one_starts_by_itself_is_none_of_them(kind: str, tmp_path: Path) ->
 
 WITHOUT = """
 import importlib.util
-import os
 
-if os.environ["PMI_RANK"] == "1":
+if is_second:
     found = importlib.util.find_spec
     importlib.util.find_spec = lambda name, *of: None if name == "visviva_petsc" else found(name, *of)
+"""
+BY_ITSELF = """
 block(0)
 print("through")
 """
+COMMAND = """
+from visviva.cli import main
+
+sys.exit(main(["check", "cantilever"]))
+"""
 
 
-def test_one_that_lacks_the_package_ends_all(tmp_path: Path) -> None:
-    """It computed by itself, to its end, while the other waited for it for ever."""
-    (tmp_path / "script.py").write_text(BLOCK + WITHOUT)
+@pytest.mark.parametrize("run", [BY_ITSELF, COMMAND], ids=["script", "command"])
+def test_one_that_lacks_the_package_ends_all(run: str, tmp_path: Path) -> None:
+    """It computed by itself, to its end, or ended with a sentence, while the other waited for it for ever."""
+    (tmp_path / "script.py").write_text(BLOCK + WITHOUT + run)
     done = launched(2, str(tmp_path / "script.py"), "", limit=60)
     assert done.returncode != 0
     assert "2 processes were launched" in done.stderr

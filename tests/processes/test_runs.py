@@ -103,6 +103,14 @@ study = vv.Study(vv.System(parts), float(sys.argv[2]), 0.1, probes=probes, title
 vv.run(study, sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
 """
 """What remembers its capacity, and heat that contact conducts."""
+MECHANISM = """
+import sys
+import visviva as vv
+from visviva.examples.triple_pendulum import study
+
+vv.run(study(until=float(sys.argv[2]), step=0.01), sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
+"""
+"""One process eliminates its constraints, and predicts by other unknowns."""
 
 
 @pytest.mark.parametrize(
@@ -111,8 +119,9 @@ vv.run(study, sys.argv[1], pictures=False, resume=len(sys.argv) > 3)
         (TORI, "active_gaps", (1.12, 1.36, 1.6)),
         (CAVITY, "force_x", (0.5, 1.0, 1.5)),
         (WARM, "heat", (0.5, 1.0, 1.5)),
+        (MECHANISM, "end3_x", (0.1, 0.2, 0.3)),
     ],
-    ids=["tori", "cavity", "warm"],
+    ids=["tori", "cavity", "warm", "mechanism"],
 )
 def test_what_remembers_goes_on_with_another_number_of_processes(
     script: str, probe: str, untils: tuple[float, ...], tmp_path: Path

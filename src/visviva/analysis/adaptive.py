@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.analysis.functions_in_steps import FunctionsInSteps
 from visviva.base.arguments import Validated
 from visviva.base.errors import InputError
 from visviva.model.field import Role
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-NAME, VERSION = "adaptive steps", 3
+NAME, VERSION = "adaptive steps", 4
 """Of the record of what the choice of steps carries on."""
 ROUNDING = 1e-13
 """Errors below this part of a scale are taken for rounding."""
@@ -43,8 +44,9 @@ class Adaptive(metaclass=Validated):
     Impacts of rigid bodies by multipliers leave no trace in the increment: there twice what the bodies came deeper into
     each other in the step is its error, as the next step may take them as deep again before they turn.
 
-    Steps end at the points of tables. A short pulse that only an expression or a function knows of can lie between the
-    ends of two steps; `max_step` should be shorter than it.
+    Steps end at the points of tables. Longer ones than the given step are taken only where expressions and functions of
+    time alone are near parabolas: what they do within one would be passed over. Shorter pulses than that, and those of
+    functions of time and place, can lie between the ends of two steps; `max_step` should be shorter than them.
 
     Parameters
     ----------
@@ -161,11 +163,15 @@ def adaptive_steps(
         estimate.rates = pace[NAME].arrays["rates"]
     depths = pace[NAME].arrays["depths"] if NAME in pace else overlaps(system)
     sizes = _Sizes(system, pace[NAME].arrays["reached"] if NAME in pace else None)
+    functions = FunctionsInSteps(system, pace[NAME].arrays["functions"] if NAME in pace else None)
     system.clock.refuse_short(until, step, begins=system.stepper.is_given)
     shortened = False
     while not system.clock.has_reached(until):
         left = next_kink(system, until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
+        if functions.are_missed(system.time, taken, step):
+            h, shortened = max(0.5 * taken, step), True
+            continue
         try:
             attempt = system.attempt(system.stepper.step_of(scheme, taken))
             rates = system.v.copy()
@@ -191,7 +197,13 @@ def adaptive_steps(
         proposed = next_step(taken, h, error, last, 1.0 if shortened else 2.0)
         h, last, shortened = float(np.clip(proposed, min(low, h), high)), error, False
         steps = np.array([h, last, taken, estimate.before])
-        carried = {"steps": steps, "rates": rates, "depths": depths, "reached": reached}
+        carried = {
+            "steps": steps,
+            "rates": rates,
+            "depths": depths,
+            "reached": reached,
+            "functions": functions.seen,
+        }
         pace[NAME] = Record(NAME, VERSION, carried)
         yield attempt.report
 

@@ -140,8 +140,8 @@ def world() -> World:
 
 
 def is_joined() -> bool:
-    """Whether processes have come together, or this one has found that it is alone."""
-    return bool(_joined)
+    """Whether this process has come together with all that were started: else they may wait for it."""
+    return bool(_joined) and processes.world >= processes.n_told()
 
 
 def joined() -> World:

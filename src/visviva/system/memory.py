@@ -27,6 +27,8 @@ INTERNAL, INTERNAL_VERSION = "histories", 1
 
 SOLVER = "solver"
 """Name of the record of the core that tells which solver serves."""
+PREDICTOR = "predictor"
+"""Name of that from which steps begin to iterate."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -71,12 +73,18 @@ def bring_back(system: System, records: Records, histories_alone: bool = False) 
 
 
 def _known(system: System, records: list[Any]) -> list[Any]:
-    """Records that fit this number of processes: another one has other solvers."""
+    """Records that fit this number of processes: another one has other solvers, and predicts by other unknowns."""
     own = {record.name: record for record in system.core.memory()}
     kept = [r for r in records if r.name != SOLVER or SOLVER in own]
+    kept = [own[PREDICTOR] if r.name == PREDICTOR and is_other(r, own[PREDICTOR]) else r for r in kept]
     if SOLVER in own and all(r.name != SOLVER for r in kept):
         kept.append(own[SOLVER])
     return kept
+
+
+def is_other(record: Any, own: Any) -> bool:
+    """Whether a record of the core is of the same version, and of another size."""
+    return bool(record.version == own.version and len(record.numbers) != len(own.numbers))
 
 
 def _remembering(system: System) -> list[tuple[str, Term]]:
