@@ -312,3 +312,16 @@ def test_what_starts_even_but_for_an_earlier_run_takes_steps(noise: float) -> No
         ends.append(body.temperatures(system.x))
     np.testing.assert_allclose(ends[1], ends[0], atol=2 * noise + 1e-10)
     assert ends[0].max() > 305
+
+
+@pytest.mark.parametrize("cell", ["quad8", "quad9", "tri6"])
+def test_heat_flux_at_walls(cell: Any) -> None:
+    """Of a slab with a uniform source; means of the cells gave 3 to 5 % less where it is largest."""
+    mesh = vv.RectangleMesh(size=(1, 0.2), counts=(8, 2), cell=cell)
+    body = vv.ThermalBody(mesh=mesh, conductivity=2.0, capacity=1.0, temperature=300.0)
+    held = vv.PrescribedTemperature(body=body, nodes="x1", value=300.0)
+    system = vv.System([body, vv.HeatSource(body=body, power=1.0), held])
+    vv.quasi_static(system, until=1.0, step=1.0)
+    flux = body.heat_flux(system.x)
+    np.testing.assert_allclose(flux[:, 0], body.points[:, 0], atol=1e-8)
+    np.testing.assert_allclose(flux[:, 1:], 0.0, atol=1e-8)

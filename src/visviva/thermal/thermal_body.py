@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError, nearest
-from visviva.body.element import Geometry, geometry
+from visviva.body.element import Geometry, geometry, is_curved
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
+from visviva.body.solid_fields import extrapolation
 from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import Component, settings
@@ -22,7 +23,7 @@ from visviva.mesh.cells import CELLS
 from visviva.mesh.faces import Faces, chosen_faces, chosen_nodes
 from visviva.mesh.generate import MeshSource
 from visviva.mesh.mesh import Mesh
-from visviva.mesh.quadrature import mass_rule
+from visviva.mesh.quadrature import mass_rule, stiffness_rule
 from visviva.model.field import Field, Role
 from visviva.model.points import Group, PhysicsKind, add_points
 from visviva.model.term import Stencils, Term
@@ -241,18 +242,26 @@ class ThermalBody(Meshed, HeatCarrier):
         return {n: self.temperatures(x) if n == "temperature" else self.heat_flux(x) for n in names}
 
     def heat_flux(self, x: Array) -> Array:
-        """Heat (n, 3) that flows per area and time, smoothed to the nodes."""
+        """Heat (n, 3) that flows per area and time, at the nodes.
+
+        In every element the polynomial of least squares through what flows at the points of quadrature is taken to its
+        nodes, and a node has the mean of its elements, as stresses of a `Solid`; at walls elements of first order give
+        that of half a cell inside (`HeatFlow` tells what passes).
+        """
         T, total = self.temperatures(x), np.zeros((self.grid.n_nodes, 4))
         K = self._tensor[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]][: self.dimension, : self.dimension]
-        for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
-            N = CELLS[cell].N(mass_rule(cell).points)
+        for cell, nodes in self.grid.cells.items():
+            curved = is_curved(self.grid.points, nodes, cell)
+            rule = stiffness_rule(cell, curved)
+            g = geometry(self.grid.points, nodes, cell, rule=rule)
             slope = np.einsum("mqkd,mk->mqd", g.gradients, T[nodes])
-            factor = 1 + self.conductivity_slope * (T[nodes] @ N.T - self.reference)
-            flux = -factor[:, :, None] * (slope @ K)
-            share = np.einsum("mq,qk->mk", g.volume, np.abs(N))
-            np.add.at(total[:, 3], nodes, share)
-            for c in range(flux.shape[2]):
-                np.add.at(total[:, c], nodes, np.einsum("mq,qk,mq->mk", g.volume, np.abs(N), flux[:, :, c]))
+            there = T[nodes] @ CELLS[cell].N(rule.points).T
+            flux = -(1 + self.conductivity_slope * (there - self.reference))[:, :, None] * (slope @ K)
+            taken = np.einsum("aq,mqd->mad", extrapolation(cell, curved), flux)
+            size = np.broadcast_to(g.volume.sum(axis=1)[:, None], nodes.shape)
+            np.add.at(total[:, 3], nodes, size)
+            for c in range(self.dimension):
+                np.add.at(total[:, c], nodes, size * taken[:, :, c])
         return np.asarray(total[:, :3] / total[:, 3:])
 
 
