@@ -165,3 +165,11 @@ def test_a_jump_that_newtons_method_does_not_get_over_is_told_with_its_cures() -
     system = vv.System([solid, held, moved])
     with pytest.raises(vv.NoEquilibrium, match=r"vv\.arc_length"):
         vv.quasi_static(system, until=1.0, step=0.1, scheme=vv.Static(unstable=True, halvings=2))
+
+
+def test_cells_that_are_coarser_elsewhere_are_told() -> None:
+    """A bar with fine cells at one end broke at its thin place, by cells of two lengths: 1.36 for a section of .7."""
+    mesh = vv.RectangleMesh(size=(4.0, 1.0), counts=(30, 10), grading=(4.0, 1.0))
+    told = vv.FracturingSolid(**{**GOOD, "mesh": mesh, "length": 0.25}).remarks()
+    assert len(told) == 1
+    assert "some of its cells are up to" in told[0]

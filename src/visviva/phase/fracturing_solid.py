@@ -235,13 +235,19 @@ class FracturingSolid(Solid):
 
     def remarks(self) -> list[str]:
         sizes = [lengths(self.grid.points, nodes, cell) for cell, nodes in self.grid.cells.items()]
-        finest = min(float(s.min()) for s in sizes)
-        if finest > 0.5 * self.length * (1 + 1e-9):
+        finest, coarsest = min(float(s.min()) for s in sizes), max(float(s.max()) for s in sizes)
+        enough = 0.5 * self.length * (1 + 1e-9)
+        if finest > enough:
             more = 100 * finest / (NORMALISED[self.model] * self.length)
             return [
                 f"{self.label}: its finest cells, {finest:.3g} long, are larger than half the length {self.length:g} "
                 f"of a crack, which costs {more:.0f} % more if it crosses them that way"
                 f"{'; damages may exceed 1' if self.model == 'AT1' else ''}"
+            ]
+        if coarsest > enough:
+            return [
+                f"{self.label}: some of its cells are up to {coarsest:.3g} long; a crack of the length {self.length:g} "
+                "costs more where it crosses what is longer than half of that"
             ]
         return []
 
