@@ -138,3 +138,23 @@ def test_short_forces_are_seen() -> None:
     result = vv.simulate(system, until=200.0, step=0.5, adaptive=vv.Adaptive(tolerance=1e-4))
     assert system.v[0] == pytest.approx(1.0, abs=0.02)
     assert result.statistics.steps < 100
+
+
+@pytest.mark.parametrize("given", ["0.7", lambda t: 0.7, "0.7 * (sin(t)**2 + cos(t)**2)"], ids=str)
+def test_functions_that_change_by_rounding_shorten_no_step(given: Any) -> None:
+    """What is constant was off a parabola by its last bit, and a thousand steps were taken for eighteen."""
+    counts = []
+    for times in (given, 0.7):
+        ball = vv.PointMass(mass=1.0)
+        system = vv.System([ball, vv.Force(on=ball, force=(1, 0, 0), times=times)])
+        result = vv.simulate(system, until=100.0, step=0.1, adaptive=vv.Adaptive(tolerance=1e-4))
+        counts.append(result.statistics.steps)
+    assert counts[0] == counts[1] < 50
+
+
+def test_functions_shorten_no_step_below_the_shortest() -> None:
+    ball = vv.PointMass(mass=1.0)
+    system = vv.System([ball, vv.Force(on=ball, force=(1, 0, 0), times="sin(50 * t)")])
+    rule = vv.Adaptive(tolerance=1.0, min_step=0.1)
+    result = vv.simulate(system, until=2.0, step=0.01, adaptive=rule)
+    assert np.diff(result.times)[:-1].min() > 0.0999

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from visviva_petsc.world import World
 
 __version__ = "0.2.0"
-SEAM = 3
+SEAM = 4
 """Version of visviva's ``base/world.py`` that this package goes with."""
 __all__ = ["choose", "join"]
 

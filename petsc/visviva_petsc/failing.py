@@ -38,7 +38,7 @@ def end_all_together(world: World) -> Callable[[], None]:
         if is_forked():
             return before(kind, error, trace)
         together = world.meets()
-        own = not together or world.differs(f"{kind.__name__}: {error}")
+        own = not together or world.differs(said(kind, error))
         if own:
             print(f"process {world.rank} of {world.size}:", file=sys.stderr)
         if own or world.rank == 0:
@@ -61,6 +61,13 @@ def end_all_together(world: World) -> Callable[[], None]:
     is_forked = lambda: os.getpid() != own  # noqa: E731  is none of them, and ends as any process does
     sys.excepthook = end
     return leave
+
+
+def said(kind: type[BaseException], error: BaseException) -> str:
+    """An error in words, whatever its class does where it is asked for them."""
+    with suppress(Exception):
+        return f"{kind.__name__}: {error}"
+    return kind.__name__
 
 
 def keep_forks_out(is_ours: bool) -> None:

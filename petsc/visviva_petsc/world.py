@@ -29,7 +29,8 @@ Ints = NDArray[np.int64]
 
 RAISED = re.compile(r"Traceback [^\n]*\n(?:  [^\n]*\n)*(\w+)(?::\s*(.*))?", re.DOTALL)
 """What the core knows of an error of Python: where it comes from, its class and what it says."""
-NUMBER = re.compile(r"[+-]?\d[\d.e+-]*")
+NUMBER = re.compile(r"0x[0-9a-f]+|\b(?:nan|inf)\b|[+-]?\d[\d.e+-]*")
+"""What may differ in what one error says in several processes: numbers, and addresses."""
 LOOK = 0.5
 """Seconds between looks at what others do for whom this one waits."""
 ASKED = 20
@@ -206,7 +207,11 @@ class World:
 
     def differs(self, own: str) -> bool:
         """Where all have met, whether this one failed by something else than the first, but for numbers."""
-        differs = bool(NUMBER.sub("", self.failing.bcast(own)) != NUMBER.sub("", own))
+        mine = np.frombuffer(NUMBER.sub("", own).encode()[:LENGTH].ljust(LENGTH, b"\0"), dtype=np.uint8)
+        theirs = mine.copy()
+        if not self.arrive(self.failing.Ibcast(theirs), self.met):
+            return True
+        differs = bool((theirs != mine).any())
         if differs:
             time.sleep(0.2)  # the first tells its own before
         return differs

@@ -236,8 +236,11 @@ bool SharpGaps::sees_sharp(const double* X, const Held& held) const {
     const bool is_open = pairs_.meeting(X, held.pair).distance >= 0,
                comes_in = crosses && held.opens && !is_open;
     if (comes_in && !pairs_.touch(held_.start().data(), X, held.pair)) return false;
+    // Edges deep in each other that were held from there are so where they cross alone: who lies in whom they
+    // do not tell.
+    const bool stays = held.meets && held.offset < close * options_.depth;
     const bool lies =
-        crosses ? held.meets || (comes_in && pairs_.slides_in(X, held.pair)) : held.meets && !held.opens;
+        crosses ? stays || (comes_in && pairs_.slides_in(X, held.pair)) : held.meets && !held.opens;
     return pairs_.meets(X, held.pair, lies ? HUGE_VAL : 0, beside, held.meets);
 }
 

@@ -163,14 +163,15 @@ def adaptive_steps(
         estimate.rates = pace[NAME].arrays["rates"]
     depths = pace[NAME].arrays["depths"] if NAME in pace else overlaps(system)
     sizes = _Sizes(system, pace[NAME].arrays["reached"] if NAME in pace else None)
+    least = max(step, low)
     functions = FunctionsInSteps(system, pace[NAME].arrays["functions"] if NAME in pace else None)
     system.clock.refuse_short(until, step, begins=system.stepper.is_given)
     shortened = False
     while not system.clock.has_reached(until):
         left = next_kink(system, until) - system.time
         taken = left if left <= h * (1 + 1e-9) else min(h, 0.5 * left) if left < 2 * h else h
-        if functions.are_missed(system.time, taken, step):
-            h, shortened = max(0.5 * taken, step), True
+        if functions.are_missed(system.time, taken, least):
+            h, shortened = max(0.5 * taken, least), True
             continue
         try:
             attempt = system.attempt(system.stepper.step_of(scheme, taken))
@@ -194,6 +195,7 @@ def adaptive_steps(
             continue
         estimate.rates, estimate.length, estimate.before = rates, taken, estimate.length
         depths, sizes.reached = there, reached
+        functions.accept()
         proposed = next_step(taken, h, error, last, 1.0 if shortened else 2.0)
         h, last, shortened = float(np.clip(proposed, min(low, h), high)), error, False
         steps = np.array([h, last, taken, estimate.before])

@@ -22,7 +22,7 @@ world = 1
 """Processes that compute together; what lets them do so sets it."""
 
 
-LAUNCHERS = ("PMI_", "PMIX_", "OMPI_COMM", "OMPI_MCA_ess", "OMPI_MCA_orte", "HYDI_", "HYDRA_", "MPI_LOCAL")
+LAUNCHERS = ("PMI_", "PMIX_", "OMPI_COMM", "OMPI_MCA_ess", "OMPI_MCA_orte", "HYDI_", "MPI_LOCAL")
 """How the names begin by which launchers tell MPI what it is to be part of."""
 MARK = "VISVIVA_PROCESS"
 """Where a process that a launcher started says to those that it starts itself that they are none of its kind."""
@@ -48,7 +48,8 @@ def begin_alone(what: str) -> None:
         If MPI has begun before, in the process that forked this one.
     """
     is_started = is_started_by_one()
-    if not is_started and any(map(number_in, SIZES)):
+    is_left = not any(map(number_in, SIZES)) and any(name in os.environ for name in (*RANKS[:3], "PMI_FD"))
+    if not is_started and not is_left:
         return
     if (module := sys.modules.get("mpi4py.MPI")) is not None:
         if is_started and module.COMM_WORLD.size > 1:

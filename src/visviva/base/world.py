@@ -21,7 +21,7 @@ from visviva.base.threads import crowds, here
 Array = NDArray[np.float64]
 T = TypeVar("T")
 
-SEAM = 3
+SEAM = 4
 """Version of what a package that brings processes together has to offer: `World`, and solvers by ``choose``."""
 PACKAGE = "visviva_petsc"
 

@@ -256,7 +256,7 @@ class FluidHeat(HeatCarrier):
 
     def _on_reference(self) -> list[str]:
         """On fluid that comes in at other temperatures than the reference, which equal orders do not keep."""
-        if not self.fluid.is_stabilised:
+        if not self.fluid.is_stabilised or not hasattr(self, "_held"):  # or not in a system yet
             return []
         brought = [T for time in (0.0, SOON) for T in self._brought(time)]
         apart = max(brought, key=lambda T: abs(T - self._zero), default=self._zero)
