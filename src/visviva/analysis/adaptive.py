@@ -140,6 +140,18 @@ class _Estimate:
         return float(np.abs(off).max() / tolerance)
 
 
+def _estimate(system: System, scheme: Scheme) -> _Estimate:
+    """What is known before the first step."""
+    has_means, late = np.count_nonzero(scheme.transport(1.0)[2]) == 1, system.stepper.means
+    means = has_means & (system.order == 1)
+    means[late] = True
+    estimate = _Estimate(means, late)
+    if scheme.needs_acceleration and not system.stepper.has_rates:
+        contents = [np.full(f.size, f.role is Role.CONTENT) for f in system.model.fields]
+        estimate.first = (system.order == 1) & np.concatenate(contents), system.core.a.copy()
+    return estimate
+
+
 def adaptive_steps(
     system: System, *, until: float, step: float, scheme: Scheme, rule: Adaptive, halved: int = 0
 ) -> Iterator[Any]:
@@ -150,13 +162,7 @@ def adaptive_steps(
     ``system.stepper.pace`` carries the next length, the last error, and what the estimate remembers.
     """
     low, high = rule.bounds(step)
-    has_means, late = np.count_nonzero(scheme.transport(1.0)[2]) == 1, system.stepper.means
-    means = has_means & (system.order == 1)
-    means[late] = True
-    estimate = _Estimate(means, late)
-    if scheme.needs_acceleration and not system.stepper.has_rates:
-        contents = [np.full(f.size, f.role is Role.CONTENT) for f in system.model.fields]
-        estimate.first = (system.order == 1) & np.concatenate(contents), system.core.a.copy()
+    estimate = _estimate(system, scheme)
     h, last, pace = math.ldexp(float(np.clip(step, low, high)), -halved), 1.0, system.stepper.pace
     if NAME in pace:
         h, last, estimate.length, estimate.before = pace[NAME].arrays["steps"].tolist()
