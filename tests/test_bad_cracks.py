@@ -173,3 +173,24 @@ def test_cells_that_are_coarser_elsewhere_are_told() -> None:
     told = vv.FracturingSolid(**{**GOOD, "mesh": mesh, "length": 0.25}).remarks()
     assert len(told) == 1
     assert "some of its cells are up to" in told[0]
+
+
+@pytest.mark.parametrize(("wide", "told"), [(0.01, True), (0.06, False)])
+def test_cracks_that_are_lines_of_nodes_are_told(wide: float, told: bool) -> None:
+    """They carry: a plate that is so cracked to its middle is stiffer than one with a slit, .574 of the whole one."""
+    counts = (20, 20) if told else (20, 21)
+    mesh = vv.RectangleMesh(size=(1.0, 1.0), counts=counts)
+
+    def pulled(**options: Any) -> tuple[float, vv.FracturingSolid]:
+        given = {"material": vv.SaintVenantKirchhoff(young=1e3, poisson=0.0), "toughness": 1e3, "length": 0.1}
+        solid = vv.FracturingSolid(mesh=mesh, model="AT2", **{**given, **options})
+        bottom = vv.Fixed(solid=solid, nodes="y0")
+        top = vv.Prescribed(solid=solid, nodes="y1", motion=(None, "1e-5 * t", None))
+        system = vv.System([solid, bottom, top])
+        vv.quasi_static(system, until=1.0, step=1.0, scheme=vv.AlternateMinimization())
+        return float(np.sum(solid.nodal_forces(system.x)[solid.nodes("y1"), 1])), solid
+
+    whole, _ = pulled()
+    cracked, solid = pulled(damage=lambda X: 1.0 * ((abs(X[:, 1] - 0.5) < wide) & (X[:, 0] < 0.501)))
+    assert any("broken at the start in no cell" in remark for remark in solid.remarks()) == told
+    assert cracked / whole == pytest.approx(0.67 if told else 0.5, abs=0.05)
