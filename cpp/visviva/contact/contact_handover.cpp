@@ -85,7 +85,7 @@ void ContactTerm::go_on(const Hold& own) {
     const int A = own.gap;
     const double offset = area0_[A] * gaps_->offset(A), deep = offset - gap0_[A];
     const double held = std::min(std::sqrt(2 * own.energy / options_.stiffness[A]), deep);
-    gaps_->set_offset(A, (deep - held) / area0_[A]);
+    gaps_->offsets()->set_offset(A, (deep - held) / area0_[A]);
     gap0_[A] = -held, known_.clear();
     let_go_ -= potential(A, -held);
 }

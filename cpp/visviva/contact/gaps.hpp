@@ -44,6 +44,14 @@ struct Approach {
     double sight = HUGE_VAL, way = 0;
 };
 
+/// How deep what is at gaps was found, which stores no energy.
+class Offsets {
+  public:
+    virtual ~Offsets() = default;
+    virtual double offset(int gap) const = 0;
+    virtual void set_offset(int gap, double offset) = 0;
+};
+
 class Gaps {
   public:
     explicit Gaps(Skin skin) : skin_(std::move(skin)) {}
@@ -91,16 +99,16 @@ class Gaps {
     virtual void keep_sides() {}
     /// So far beside the border of a face what touches it is above it, and no edge crosses that border: of
     /// bodies that are flush one alone holds, whatever rounding does.
-    virtual double flush() const { return 0; }
-    virtual void set_flush(double) {}
+    double flush() const { return flush_; }
+    void set_flush(double flush) { flush_ = flush; }
     /// How deep the bodies lie in what carries them where a step begins; true if that is something else than
     /// before.
     bool lie(Sags sags) { return std::exchange(sags_, sags) != sags; }
     /// Bodies that others touch beside these, as they lie where a step begins.
     Covers& covers() { return covers_; }
-    /// How deep what is at a gap was found, which stores no energy.
-    virtual double offset(int /*gap*/) const { return 0; }
-    virtual void set_offset(int /*gap*/, double /*offset*/) {}
+    /// Null where no gaps have offsets.
+    virtual Offsets* offsets() { return nullptr; }
+    double offset(int gap) { return offsets() ? offsets()->offset(gap) : 0; }
     /// Whether a step begins with what belonged to a side, and was below that, outside of the body.
     bool has_left(int gap) const { return !left_.empty() && left_[gap]; }
     /// Whether it begins with what was found below a side that it did not come in by.
@@ -155,6 +163,7 @@ class Gaps {
     int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
     std::vector<char> left_, come_;
+    double flush_ = 0;
 };
 
 struct MortarOptions {

@@ -11,7 +11,7 @@ namespace visviva {
 
 constexpr double facing = -0.1;  // least opposition of a vertex' and a facet's normal, as for mortar
 
-class PointGaps : public Gaps {
+class PointGaps : public Gaps, public Offsets {
   public:
     PointGaps(Skin skin, PointOptions options);
     void values(const double* X, double* gap, double* area) override;
@@ -22,8 +22,8 @@ class PointGaps : public Gaps {
                std::vector<Grip>& out) override;
     bool settle(const double* X) override;
     void keep_sides() override { keeps_ = true; }
-    void set_flush(double flush) override { flush_ = flush; }
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
+    Offsets* offsets() override { return this; }
     double offset(int gap) const override { return sides_.of(gap).offset; }
     void set_offset(int gap, double offset) override { sides_.amend(gap, {sides_.of(gap).face, offset}); }
     void mark_tangent() override { sides_.mark_tangent(); }
@@ -120,7 +120,6 @@ class PointGaps : public Gaps {
         Eigen::Vector3d place;
     };
     mutable std::vector<Middle> middles_;
-    double flush_ = 0;
     bool keeps_ = false, static_ = false;
 };
 

@@ -38,7 +38,7 @@ void read_side(const double*& m, Held& h) {
     m += 5;
 }
 
-class SharpGaps : public Gaps {
+class SharpGaps : public Gaps, public Offsets {
   public:
     SharpGaps(Skin skin, SharpOptions options);
     int n_first() const override { return options_.n_vertices; }
@@ -47,7 +47,7 @@ class SharpGaps : public Gaps {
     bool settle(const double* X) override;
     bool set_static(bool on) override { return std::exchange(static_, on) != on; }
     void keep_sides() override { keeps_ = true; }
-    double flush() const override { return pairs_.flush(); }
+    Offsets* offsets() override { return this; }
     double offset(int gap) const override { return keeps_ ? 0 : held_.of(gap).offset; }
     void set_offset(int gap, double offset) override {
         Held held = held_.of(gap);
@@ -101,7 +101,7 @@ SharpGaps::SharpGaps(Skin skin, SharpOptions options)
     : Gaps(std::move(skin)),
       options_(std::move(options)),
       pairs_(options_.parts, options_.depth, sags_, covers_) {
-    n_ = copies_ = options_.n_gaps;
+    n_ = copies_ = options_.n_gaps, flush_ = pairs_.flush();
     stencils_.resize(n_), held_.resize(n_);
     std::vector<int> seen;
     for (int v = 0; v < skin_.n_vertices(); ++v) {
