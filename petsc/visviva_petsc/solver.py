@@ -39,9 +39,8 @@ class Solver:
 
     def __init__(self, name: str, options: dict[str, str]) -> None:
         self.name, self.message, self.iterations = f"PETSc: {name}", "", 0
-        self.comm = (
-            PETSc.COMM_WORLD if world().size > 1 else PETSc.COMM_SELF
-        )  # MPI may have more, each for itself
+        # MPI may have more processes, each for itself.
+        self.comm = PETSc.COMM_WORLD if world().size > 1 else PETSc.COMM_SELF
         self.prefix = f"{PREFIX}{_made[0]}_"
         _made[0] += 1
         self.options = options

@@ -66,7 +66,7 @@ class FunctionsInSteps:
         off = np.abs(values - parabola).max(axis=1)
         missed = off > np.maximum(MISSED * (greatest - least), SLIGHT * (self._within[1] - self._within[0]))
         missed &= off > ROUNDING * np.abs(values).max(axis=1)
-        return bool(world().first(bool(missed.any()))) and taken > step * (1 + 1e-9)
+        return taken > step * (1 + 1e-9) and bool(world().first(bool(missed.any())))
 
     def accept(self) -> None:
         """The step that was looked at last is taken."""

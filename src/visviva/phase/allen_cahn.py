@@ -96,15 +96,10 @@ class AllenCahn(PhaseBody):
             )
 
     def remarks(self) -> list[str]:
-        found = self.interface()
-        return [
-            *super().remarks(),
-            *(
-                []
-                if found is None
-                else held_back(f"{self.label}: its interfaces", self, *self._resolution(found))
-            ),
-        ]
+        remarks = super().remarks()
+        if (found := self.interface()) is not None:
+            remarks += held_back(f"{self.label}: its interfaces", self, *self._resolution(found))
+        return remarks
 
     def declare(self, model: Model) -> None:
         self.phase = self.field_in(model, self)

@@ -129,9 +129,8 @@ class UserMobility(Mobility):
     def __post_init__(self) -> None:
         if not self.high > self.low:
             raise InputError(f"UserMobility: high = {self.high:g} is not above low = {self.low:g}")
-        c = self.low + (self.high - self.low) * (
-            0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 201))
-        )  # denser at the ends
+        nearer_ends = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 201))
+        c = self.low + (self.high - self.low) * nearer_ends
         given = np.asarray(self.function(c), dtype=float)
         if given.shape != c.shape or not np.all(np.isfinite(given)):
             raise InputError(
@@ -148,9 +147,8 @@ class UserMobility(Mobility):
                 f"UserMobility: it is 0 from low = {self.low:g} to high = {self.high:g}; nothing would move"
             )
         weights, ends = 1 / np.maximum(given, FAINT * self._largest), [self.low, self.high]
-        series = Chebyshev.fit(
-            c, given, COEFFICIENTS - 1, domain=ends, w=weights
-        )  # what moves slowly sets the pace
+        # What moves slowly sets the pace.
+        series = Chebyshev.fit(c, given, COEFFICIENTS - 1, domain=ends, w=weights)
         self.centre = 0.5 * (self.low + self.high)
         half = 0.5 * (self.high - self.low)
         plain: Array = np.asarray(Chebyshev(series.coef).convert(kind=Polynomial).coef, dtype=float)

@@ -195,9 +195,8 @@ class ThermalBody(Meshed, HeatCarrier):
         stores = self._stores.times(self.density)
         constants = [stores.c, self.reference, *stores.parameters(), *self._tensor, self.conductivity_slope]
         kind = PhysicsKind.CONDUCTION if stores.is_constant else PhysicsKind.LATENT_CONDUCTION
-        remembers = (
-            not stores.is_constant
-        )  # where a step began: one process has it all, and goes on with any number
+        # What remembers where a step began one process has as a whole, and goes on with any number of them.
+        remembers = not stores.is_constant
         own, first = np.ones(self.grid.n_cells, dtype=bool) if remembers else shared_out(self.grid), 0
         for (cell, nodes), g in zip(self.grid.cells.items(), self._geometries, strict=True):
             some, first = (
