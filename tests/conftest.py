@@ -20,6 +20,12 @@ SCHEMES = [
 ]
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A test whose name holds an address is another one in each process that runs tests: none of them would run."""
+    if named := [item.nodeid for item in items if " at 0x" in item.nodeid]:
+        raise pytest.UsageError(f"names with addresses, give them ids=: {named[:3]}")
+
+
 def pytest_collection_finish() -> None:
     """Thousands of collected cases stay to the end: the garbage collector need not look at them again and again."""
     gc.collect()

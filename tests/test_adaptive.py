@@ -140,7 +140,9 @@ def test_short_forces_are_seen() -> None:
     assert result.statistics.steps < 100
 
 
-@pytest.mark.parametrize("given", ["0.7", lambda t: 0.7, "0.7 * (sin(t)**2 + cos(t)**2)"], ids=str)
+@pytest.mark.parametrize(
+    "given", ["0.7", lambda t: 0.7, "0.7 * (sin(t)**2 + cos(t)**2)"], ids=["0.7", "function", "squares"]
+)
 def test_functions_that_change_by_rounding_shorten_no_step(given: Any) -> None:
     """What is constant was off a parabola by its last bit, and a thousand steps were taken for eighteen."""
     counts = []

@@ -31,6 +31,8 @@ FULL = [[0, 3, 5], [3, 1, 4], [5, 4, 2]]
 """Places of a symmetric tensor's entries among its six components 11, 22, 33, 12, 23, 31."""
 Evaluated = tuple[str, Ints, Ints, Array, "Fields"]
 """Cell type, nodes (m, k), numbers, volumes (m, q) and fields (m, q, ...) of some elements."""
+Valued = tuple[str, Ints, Array, Array]
+"""Cell type, nodes (m, k), volumes (m, q) and values (m, q, columns) of some elements."""
 CHUNK = 4096  # elements whose fields are held at a time; a multiple of eight
 
 
@@ -249,28 +251,34 @@ def smoothed(
 
 
 def _fitted(grid: Mesh, names: Sequence[str], points: Iterable[Evaluated], add_up: bool) -> dict[str, Array]:
-    """Means over the elements at each node of polynomials fitted in each element."""
+    """Quantities at the nodes, side by side in one mean."""
     chosen = [quantity(name) for name in names]
     ends = np.cumsum([0, *(width for width, _ in chosen)])
-    total, weight = np.zeros((grid.n_nodes, ends[-1])), np.zeros(grid.n_nodes)
-    for cell, nodes, _, volume, fields in points if chosen else ():
-        values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
-        taken = np.einsum(
-            "aq,eqc->eac",
-            extrapolation(cell, is_curved(grid.points, nodes, cell)),
-            np.concatenate(values, axis=2),
-        )
+
+    def parts() -> Iterator[Valued]:
+        for cell, nodes, _, volume, fields in points if chosen else ():
+            values = [function(fields).reshape(*volume.shape, width) for width, function in chosen]
+            yield cell, nodes, volume, np.concatenate(values, axis=2)
+
+    mean = means(grid, int(ends[-1]), parts(), add_up=add_up)
+    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
+    return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
+
+
+def means(grid: Mesh, columns: int, parts: Iterable[Valued], *, add_up: bool = False) -> Array:
+    """Means (n_nodes, columns) over the elements at each node of polynomials fitted in each element."""
+    total, weight = np.zeros((grid.n_nodes, columns)), np.zeros(grid.n_nodes)
+    for cell, nodes, volume, values in parts:
+        taken = np.einsum("aq,eqc->eac", extrapolation(cell, is_curved(grid.points, nodes, cell)), values)
         size = volume.sum(axis=1)
         for a in range(nodes.shape[1]):
             weight += np.bincount(nodes[:, a], size, len(weight))
-            for c in range(ends[-1]):
+            for c in range(columns):
                 total[:, c] += np.bincount(nodes[:, a], size * taken[:, a, c], len(weight))
-    if add_up and chosen:
+    if add_up and columns:
         world().sum(total)
         world().sum(weight)
-    mean = total / (weight[:, None] if chosen else 1.0)
-    columns = {name: mean[:, a:b] for name, a, b in zip(names, ends, ends[1:], strict=False)}
-    return {name: part[:, 0] if part.shape[1] == 1 else part for name, part in columns.items()}
+    return np.asarray(total / (weight[:, None] if columns else 1.0))
 
 
 @cache

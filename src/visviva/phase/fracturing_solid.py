@@ -238,7 +238,7 @@ class FracturingSolid(Solid):
         return [*self._on_cells(), *self._on_lines()]
 
     def _on_lines(self) -> list[str]:
-        """On cracks at the start that are lines of nodes: 1.2 to 1.6 times the stiffness of a slit was left."""
+        """On cracks at the start that are lines of nodes, which carry: see ``benchmarks/line_of_damage.py``."""
         broken = self.start_damages >= 1 - 1e-9
         open_ = np.zeros(len(broken), dtype=bool)
         for nodes in self.grid.cells.values():

@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError, nearest
 from visviva.body.element import Geometry, geometry, is_curved
 from visviva.body.mesh_points import FacePoints, Points, cell_points, face_points
-from visviva.body.solid_fields import extrapolation
+from visviva.body.solid_fields import Valued, means
 from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import Component, settings
@@ -247,21 +247,19 @@ class ThermalBody(Meshed, HeatCarrier):
         nodes, and a node has the mean of its elements, as stresses of a `Solid`; at walls elements of first order give
         that of half a cell inside (`HeatFlow` tells what passes).
         """
-        T, total = self.temperatures(x), np.zeros((self.grid.n_nodes, 4))
+        T = self.temperatures(x)
+        return np.pad(means(self.grid, self.dimension, self._fluxes(T)), ((0, 0), (0, 3 - self.dimension)))
+
+    def _fluxes(self, T: Array) -> Iterator[Valued]:
+        """What flows at the points of quadrature, of each type of cell."""
         K = self._tensor[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]][: self.dimension, : self.dimension]
         for cell, nodes in self.grid.cells.items():
-            curved = is_curved(self.grid.points, nodes, cell)
-            rule = stiffness_rule(cell, curved)
+            rule = stiffness_rule(cell, is_curved(self.grid.points, nodes, cell))
             g = geometry(self.grid.points, nodes, cell, rule=rule)
             slope = np.einsum("mqkd,mk->mqd", g.gradients, T[nodes])
             there = T[nodes] @ CELLS[cell].N(rule.points).T
-            flux = -(1 + self.conductivity_slope * (there - self.reference))[:, :, None] * (slope @ K)
-            taken = np.einsum("aq,mqd->mad", extrapolation(cell, curved), flux)
-            size = np.broadcast_to(g.volume.sum(axis=1)[:, None], nodes.shape)
-            np.add.at(total[:, 3], nodes, size)
-            for c in range(self.dimension):
-                np.add.at(total[:, c], nodes, size * taken[:, :, c])
-        return np.asarray(total[:, :3] / total[:, 3:])
+            conductivity = 1 + self.conductivity_slope * (there - self.reference)
+            yield cell, nodes, g.volume, -conductivity[:, :, None] * (slope @ K)
 
 
 class Bounds(Term):
