@@ -53,7 +53,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--counts", type=int, nargs="+", default=[20, 40, 80, 160], help="cells along an edge")
+    parser.add_argument(
+        "--counts", type=int, nargs="+", default=[20, 40, 80, 160], help="cells along an edge"
+    )
     counts = parser.parse_args().counts
     print("model  split     cells  line of nodes  row of cells")
     for model, split in MODELS:
