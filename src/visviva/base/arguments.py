@@ -423,19 +423,6 @@ def as_numbers(value: Any) -> NDArray[np.float64]:
         return np.array(math.nan)
 
 
-def of_places(
-    whose: str, what: str, function: Callable[..., Any], X: NDArray[np.float64], shape: tuple[int, ...]
-) -> NDArray[np.float64]:
-    """Values of a function of places (n, 3), of the shape that is asked for."""
-    found = as_numbers(function(X))
-    if found.shape != shape or not np.isfinite(found).all():
-        raise InputError(
-            f"{whose}: the function {what} gave shape {found.shape} or values that are not finite for positions "
-            f"{X.shape}; give shape {shape}"
-        )
-    return found
-
-
 def bounded(thing: Any, **bounds: tuple[float, float]) -> None:
     """Refuse arguments of an object that are not within their bounds."""
     for name, (least, most) in bounds.items():

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
+from visviva.base.places import of_places
 from visviva.body.mesh_points import in_space
 from visviva.body.natural_strains import ASSUMED, AssumedStrains
 from visviva.body.shell_normals import Normals

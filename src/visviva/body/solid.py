@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva import _core
-from visviva.base.arguments import of_places
 from visviva.base.errors import InputError, nearest
+from visviva.base.places import of_places, refuse_gathered
 from visviva.base.world import world
 from visviva.body import formulation as forms
 from visviva.body.element import masses, nodal_masses, solid_rule
@@ -349,6 +349,9 @@ class Solid(MeshBody):
             raise InputError(
                 f"{self.label}: thermal_strain = {strain.min():g} leaves no volume; it must exceed -1"
             )
+        if len(X):
+            change = np.abs(strain - strain.mean())[:, None]
+            refuse_gathered(self.label, "thermal_strain", self.thermal_strain, X, strain, change)
         return strain.reshape(places.shape[:2])
 
     # --- what it shows -------------------------------------------------------------------------------------

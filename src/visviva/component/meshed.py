@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.base.arguments import of_places
 from visviva.base.errors import InputError
+from visviva.base.places import of_places
 from visviva.component.component import Component
 from visviva.component.momentum import NOWHERE, Axes
 from visviva.component.values import VectorOrFunction

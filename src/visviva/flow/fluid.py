@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError, RunError
+from visviva.base.places import refuse_gathered
 from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import settings
@@ -172,21 +173,10 @@ class Fluid(Meshed):
         if before is None or before[0] != time:
             self._last[len(X)] = time, found.copy()
             change = np.abs(found - before[1] if before else found)
-            some = [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, len(X) // 2, len(X) - 1]
             if change.any():
-                self._refuse_gathered(self._force, time, X[some], found[some], float(np.abs(found).max()))
+                force = partial(self._force, time)
+                refuse_gathered(self.label, "body force", force, X, found, change)
         return found + weight
-
-    def _refuse_gathered(self, force_at: Any, time: float, X: Array, found: Array, size: float) -> None:
-        """Refuse a body force that is another at points (n, 3) alone: batches and processes ask it of their own."""
-        for own, force in zip(X, found, strict=True):
-            alone = np.asarray(force_at(time, np.stack([own, own])), dtype=float)
-            if alone.shape != (2, 3) or not np.allclose(alone[0], force, rtol=1e-4, atol=1e-6 * size):
-                raise InputError(
-                    f"{self.label}: its body force at {own.tolist()} is {force.tolist()}, and of this point alone "
-                    f"{alone[:1].tolist()}: it is asked of a part of the points at once (types of cells, processes); "
-                    "let it hinge on the values of each point alone, not on X.max(), X.mean() or len(X)"
-                )
 
     def weigh(self, model: Model, acceleration: Array) -> None:
         self._gravity = self._gravity + np.asarray(acceleration, dtype=float)

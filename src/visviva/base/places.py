@@ -1,0 +1,46 @@
+"""Functions of places that users give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.base.arguments import as_numbers
+from visviva.base.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def of_places(whose: str, what: str, function: Callable[..., Any], X: Array, shape: tuple[int, ...]) -> Array:
+    """Values of a function of places (n, 3), of the shape that is asked for."""
+    found = as_numbers(function(X))
+    if found.shape != shape or not np.isfinite(found).all():
+        raise InputError(
+            f"{whose}: the function {what} gave shape {found.shape} or values that are not finite for positions "
+            f"{X.shape}; give shape {shape}"
+        )
+    return found
+
+
+def refuse_gathered(
+    whose: str, what: str, function: Callable[[Array], Any], X: Array, found: Array, change: Array
+) -> None:
+    """Refuse a function that has other values at places (n, 3) alone than it `found` at all of them at once.
+
+    It is asked by batches, and by each process for its own of them. Looked at are some places, those with the largest
+    `change` (n, columns) from values that were right among them.
+    """
+    size = float(np.abs(found).max(initial=0.0))
+    for k in [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, len(X) // 2, len(X) - 1]:
+        alone = np.asarray(function(X[[k, k]]), dtype=float)
+        if alone.shape != (2, *found.shape[1:]) or not np.allclose(
+            alone[0], found[k], rtol=1e-4, atol=1e-6 * size
+        ):
+            raise InputError(
+                f"{whose}: its {what} at {X[k].tolist()} is {found[k].tolist()}, and of this point alone "
+                f"{alone[:1].tolist()}: it is asked of a part of the points at once (types of cells, processes); "
+                "let it hinge on the values of each point alone, not on X.max(), X.mean() or len(X)"
+            )
