@@ -277,6 +277,26 @@ def test_pressures_belong_to_the_end_of_the_step(scheme: vv.Scheme) -> None:
     assert np.log2(coarse / fine) / 2 > 1.9
 
 
+@pytest.mark.parametrize("scheme", [vv.Midpoint(), vv.EnergyMomentum(), vv.BDF2()], ids=str)
+def test_pressures_of_two_types_of_cells_belong_to_the_end_of_the_step(scheme: vv.Scheme) -> None:
+    """Water at rest under a force that grows: 10 t x; where quadrangles met triangles it was that of later."""
+    left = vv.RectangleMesh(size=(1, 1), counts=(4, 4)).build()
+    right = vv.RectangleMesh(size=(1, 1), counts=(4, 4), cell="tri3", origin=(1, 0)).build()
+    points, number = np.unique(np.vstack([left.points, right.points]).round(9), axis=0, return_inverse=True)
+    nodes = number.ravel()[left.cells["quad4"]], number.ravel()[len(left.points) + right.cells["tri3"]]
+    water = vv.Fluid(
+        mesh=vv.Mesh(points=points, cells={"quad4": nodes[0], "tri3": nodes[1]}),
+        density=1.0,
+        viscosity=1.0,
+        body_force=("10*t", 0, 0),
+        speed=1.0,
+    )
+    system = vv.System([water, vv.NoSlip(fluid=water, faces="all")])
+    vv.simulate(system, until=1.0, step=0.1, scheme=scheme)
+    p = water.pressures(system.x)
+    assert p - p[0] == pytest.approx(10 * points[:, 0], abs=1e-9)
+
+
 @pytest.mark.parametrize("cell", ["quad9", "tri6"])
 def test_without_viscosity_nearly_all_energy_stays(cell: str) -> None:
     """On a coarse mesh at a Reynolds number of 1e8 energy neither grows nor decays but by viscosity."""

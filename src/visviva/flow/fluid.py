@@ -310,6 +310,14 @@ class Fluid(Meshed):
         """Unknowns (m, p) of the pressures at the corners of the elements of a cell type."""
         return np.asarray(self.pressure.start + self.pressure_number[cell], dtype=np.int32)
 
+    def _settled(self, batch: Batch) -> list[int]:
+        """Pressures that the term of a batch finds at the end of a step, once: all, of the first batch.
+
+        All processes know them.
+        """
+        first = self.pressure.start
+        return list(range(first, first + self._n_pressures)) if batch is self.batches[0] else []
+
     def _term(self, model: Model, whole: Batch, some: Ints) -> _core.FlowTerm:
         """The core's, of some elements of a batch."""
         batch = Batch(whole.cell, whole.points, whole.nodes[some])
@@ -327,7 +335,7 @@ class Fluid(Meshed):
             np.ascontiguousarray(volume),
             np.ascontiguousarray(self.grid.points[batch.nodes]),
             batch.metric(),
-            np.unique(pressures).tolist(),  # all processes know them, and find them at the end of steps
+            self._settled(whole),
         )
         term.name = self.label
         force = -1
