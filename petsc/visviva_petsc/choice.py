@@ -18,7 +18,7 @@ from visviva_petsc.flow import BESIDE, FlowSolver
 from visviva_petsc.gathered import Gathered
 from visviva_petsc.solver import Solver
 from visviva_petsc.together import Together
-from visviva_petsc.trial import refuse_unknown
+from visviva_petsc.trial import refuse_loose, refuse_unknown
 
 Options = dict[str, str]
 
@@ -44,8 +44,9 @@ def choose(problem: Problem, given: Options) -> Choice:
     Raises
     ------
     InputError
-        If none of them takes an option.
+        If none of them takes an option, or one lets residuals be.
     """
+    refuse_loose(given)
     problem = world().first(problem)  # each knows a part of it
     methods = methods_for(problem)
     if not methods and given.keys() & {"ksp_type", "pc_type"}:

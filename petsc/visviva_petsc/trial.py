@@ -38,6 +38,20 @@ def refuse_unknown(methods: Sequence[tuple[str, dict[str, str]]], given: dict[st
         )
 
 
+def refuse_loose(given: dict[str, str]) -> None:
+    """Refuse options by which a solver may leave all of a residual: increments of nothing are taken for convergence.
+
+    Raises
+    ------
+    InputError
+    """
+    if left := [f"-{name}" for name in ("ksp_atol", "ksp_convergence_test") if name in given]:
+        raise InputError(
+            f"options of PETSc: by {', '.join(left)} a solver may end where it begins, and Newton's method would take "
+            "that for a step that needs no increment: say by -ksp_rtol what share of a residual may be left"
+        )
+
+
 def taken_of(options: dict[str, str], given: dict[str, str]) -> set[str]:
     """Those of the user's options that a solver asks for."""
     named = {name: LEVEL.sub("mg_levels_1_", name) for name in options}

@@ -61,6 +61,7 @@ for problem, options in (
     (solid, "-pc_type nonsense"),
     (joints, "-mat_nothing 1"),
     (joints, "-ksp_rtol 1e-9 -pc_type lu"),
+    (solid, "-ksp_atol 1e-2"),
 ):
     try:
         told = vv.Petsc(options).choose(problem).explanation.split(", with ")[1]
@@ -80,6 +81,7 @@ def test_options_that_no_solver_takes_are_refused_by_name(tmp_path: Path) -> Non
         assert "PC type nonsense" in told[3]
         assert "no solver here takes -mat_nothing (here are: factors of " in told[4]
         assert "-pc_type lu" in told[5]
+        assert "by -ksp_atol a solver may end where it begins" in told[6]
 
 
 JOINTED = """
