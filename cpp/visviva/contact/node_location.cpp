@@ -167,7 +167,7 @@ PointGaps::Reach NodeToSegment::sign(const double* X, const Vector3& x, Found& f
 int NodeToSegment::nearest_side(const double* X, int A) const {
     Found found;
     const bool is_inside = locate_nearest(X, A, At(X + 3 * A), found) == Reach::near &&
-                           found.value < same_place * found.facet.size();
+                           found.value < same_place * found.facet.size() && !goes_beside(X, A, found);
     if (!is_inside || locate_nearest(X, A, nudged(X, A), found) != Reach::near) return Sides::nearest;
     const double* shares = found.foot.coordinate;
     const bool is_beside = found.foot.n < found.facet.dim ||
@@ -325,6 +325,7 @@ PointGaps::Reach NodeToSegment::locate(const double* X, int A, Found& found) con
     if (may_land(A) && locate_beside(X, A, found)) return Reach::near;
     const At x(X + 3 * A);
     Reach reach = locate_nearest(X, A, x, found);
+    if (reach == Reach::near && goes_beside(X, A, found)) return Reach::far;
     const int came = reach == Reach::near ? side(X, A) : Sides::nearest;
     if (came == Sides::none) return Reach::far;
     if (came >= 0 && !found.goes_on && leaves(X, A, found, came)) {

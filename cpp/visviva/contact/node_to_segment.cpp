@@ -145,6 +145,7 @@ bool NodeToSegment::settle(const double* X) {
     const std::vector<Kept> last = kept_;
     for (Kept& kept : kept_) kept.touches = false;  // the step has ended
     const bool changed = PointGaps::settle(X);
+    find_over(X);
     std::vector<Kept> fresh(n_);
     const std::vector<Held> held = std::exchange(held_, std::vector<Held>(n_));
     kept_.assign(n_, {});
