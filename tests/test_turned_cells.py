@@ -46,3 +46,9 @@ def test_change_of_products() -> None:
     assert cell == 0
     assert change == pytest.approx(np.sin(a / 2) ** 2)
     assert turn(own[0]) == pytest.approx(50.0)
+
+
+def test_directors_of_iterations_that_went_astray_are_not_turned() -> None:
+    """A message blamed 0 degrees for "1595083943093%"."""
+    own = np.stack([np.eye(3), 1e5 * np.eye(3)])[None]
+    assert most_turned(np.array([[0.5, 0.5]]), own, np.broadcast_to(np.eye(3), own.shape)) == (0, 0.0)

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+TORN = 0.5
+"""Change of products of directors at a node that is no turn."""
 
 
 def most_turned(N: Array, own: Array, reference: Array) -> tuple[int, float]:
@@ -13,6 +15,7 @@ def most_turned(N: Array, own: Array, reference: Array) -> tuple[int, float]:
 
     Nodes that are turned against each other have directors of which the mean is shorter, and vanishes half a turn
     apart: with it go the strains that are measured along it, and the cell stretches, shears and bends without force.
+    Cells whose nodes have no directors, as those of iterations that went astray, are not turned.
 
     Parameters
     ----------
@@ -28,6 +31,9 @@ def most_turned(N: Array, own: Array, reference: Array) -> tuple[int, float]:
         Largest change of a product ``d_i . d_j`` of interpolated directors from its reference; 1 where one vanishes.
     """
     change = np.abs(products(N, own) - products(N, reference)).max(axis=(1, 2, 3))
+    at_nodes = np.eye(own.shape[1])
+    torn = np.abs(products(at_nodes, own) - products(at_nodes, reference)).max(axis=(1, 2, 3)) > TORN
+    change = np.where(torn, 0.0, change)
     cell = int(np.argmax(change))
     return cell, float(change[cell])
 
