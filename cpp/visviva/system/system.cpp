@@ -111,8 +111,8 @@ void System::prepare_predictor() {
         if (order_[i] > 0) weight.push_back(inverse_scale_[i]);
     }
     const bool moves = std::find(order_.begin(), order_.end(), 2) != order_.end();
-    predictor_.resize(std::move(coordinates), std::move(weight), !any(moves), std::move(multipliers),
-                      blocks_.rigid);
+    predictor_.resize(std::move(coordinates), std::move(weight), !any(moves) || monotone_.any(),
+                      std::move(multipliers), blocks_.rigid);
 }
 
 // The start of the iteration: motion extrapolated, prescribed unknowns as set.
