@@ -158,8 +158,10 @@ bool SharpPairs::passes_by(const double* X, const Pair& pair, const Meeting& m, 
     return inside(X, face(pair.number), foot, -m.normal) - in < -out * way;
 }
 
-// Of edges that end there, as upright ones of boxes, and of corners at the border of a face.
+// Of edges that end there, as upright ones of boxes, below a face that looks at them, and of corners at the
+// border of a face. Of boxes side by side on one floor neither lies on the other.
 bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
+    constexpr double opposite = 0.9;  // least agreement of a normal with the way back from an end
     const Meeting m = meeting(X, pair);
     const auto v = stencil(pair.number);
     if (pair.number < n_crossing()) {
@@ -167,7 +169,10 @@ bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
         for (int side : {0, 1}) {
             const Vector3 e = At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side]);
             const double from_end = std::min(places[side], 1 - places[side]) * e.norm();
-            if (sags_.reach(from_end, e.normalized())) return true;
+            const Vector3 out = (places[side] < 0.5 ? -1 : 1) * e.normalized();
+            const Ridge other(X, edge(pair.number, 1 - side));
+            const bool lies_on = std::min(other.left.dot(out), other.right.dot(out)) < -opposite;
+            if (lies_on && sags_.reach(from_end, out)) return true;
         }
         return false;
     }
