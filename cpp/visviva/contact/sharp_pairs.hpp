@@ -27,8 +27,9 @@ class SharpPairs {
     std::array<int, 4> stencil(long number) const;
     Meeting meeting(const double* X, const Pair& pair) const;
     bool has_signs(long number) const { return number < n_crossing(); }
-    /// So far corners may be beside a face, and edges that end there are none.
-    double flush() const { return 2e-6 * depth_; }
+    /// So far corners may be beside a face, and edges that end there are none. No round number, by which
+    /// bodies are offset: rounding would tell from step to step whether corners hold, edges, neither or both.
+    double flush() const { return 2.2360679775e-6 * depth_; }
 
     /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
     /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
