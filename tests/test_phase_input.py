@@ -275,3 +275,37 @@ def test_a_wall_has_one_angle(other: dict[str, Any]) -> None:
     ):
         vv.System([mixture, *walls])
     vv.System([mixture := body(), *(vv.Wetting(body=mixture, faces=f, angle=60.0) for f in ("y0", "y1"))])
+
+
+def test_starts_that_differ_between_periodic_faces_are_named() -> None:
+    """Nodes there are one: the mean was that of one side alone."""
+    sides: Any = [("x0", "x1")]
+    slope = body(periodic=sides, concentration=lambda X: 0.4 + 0.2 * X[:, 0] / X[:, 0].max())
+    (remark,) = vv.System([slope]).check(repair=False).remarks
+    assert "at the start differs by up to 0.2 between nodes of periodic faces" in remark
+    wave = body(
+        periodic=sides, concentration=lambda X: 0.5 + 0.1 * np.sin(2 * np.pi * X[:, 0] / X[:, 0].max())
+    )
+    assert vv.System([wave]).check(repair=False).remarks == []
+
+
+def test_ties_say_that_concentrations_end_there() -> None:
+    """Heat has its HeatTie, a concentration nothing."""
+
+    def half(x: float) -> vv.MixtureSolid:
+        return vv.MixtureSolid(
+            mesh=vv.RectangleMesh(size=(2, 1), counts=(4, 2), origin=(x, 0)),
+            material=vv.SaintVenantKirchhoff(young=100.0, poisson=0.3),
+            free_energy=vv.PolynomialEnergy(coefficients=(0, 0, 1.0)),
+            gradient_energy=0.1,
+            concentration=0.5,
+            eigenstrain=0.01,
+            reference=0.5,
+            mobility=1.0,
+        )
+
+    a, b = half(0.0), half(2.0)
+    tie = vv.Tie(first=a, first_faces="x1", second=b, second_faces="x0")
+    for parts in ([a, b, tie], [tie, a, b]):
+        (remark,) = vv.System(parts).check(repair=False).remarks
+        assert "the concentrations of MixtureSolid" in remark

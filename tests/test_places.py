@@ -50,8 +50,9 @@ def test_strains_of_heat_that_hinge_on_other_points_are_refused(
         lambda X: np.where(X[:, 1] > 0.5, 0.01, 0.0),
         lambda X: 1e-12 * np.sin(X[:, 0]),
         lambda X: np.zeros(len(X)),
+        lambda X: 0.01 * X[:, : 1 if np.ptp(X[:, 1]) == 0 else 2].mean(axis=1),
     ],
-    ids=["slope", "jump", "small", "none"],
+    ids=["slope", "jump", "small", "none", "plane"],
 )
 def test_those_of_their_own_point_alone_are_taken(mesh: str, strain: Callable[[Array], Array]) -> None:
     vv.System([solid(mesh, strain)])

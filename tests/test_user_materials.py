@@ -262,3 +262,15 @@ def test_user_heat_in_si_units_from_its_reference_temperature_on(
         assert result.statistics.rejected == 0
         ends.append([*block.displacements(system.x)[:, 0] / size, *(block.temperatures(system.x) / 300 - 1)])
     assert np.array(ends[1]) == pytest.approx(np.array(ends[0]), abs=1e-8)
+
+
+def test_energies_that_hinge_on_other_points_are_refused() -> None:
+    """Two processes had another deformation than one, as each asks for its own points."""
+
+    def energy(C: Any) -> Any:
+        return (1 + 0.5 * np.real(C[0]).max()) * rubber(C)
+
+    with pytest.raises(
+        vv.InputError, match=r"among other points and .* alone; let it hinge on the C of its own"
+    ):
+        vv.UserMaterial(function=energy)

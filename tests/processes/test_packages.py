@@ -84,6 +84,31 @@ def test_options_that_no_solver_takes_are_refused_by_name(tmp_path: Path) -> Non
         assert "by -ksp_atol a solver may end where it begins" in told[6]
 
 
+IDLE = """
+import visviva as vv
+from visviva.base.world import world
+
+ends = []
+for options in ("", "-ksp_max_it 0 -ksp_converged_maxits"):
+    bar = vv.Solid(
+        mesh=vv.BoxMesh(size=(4, 1, 1), counts=(4, 1, 1)), density=1.0, material=vv.NeoHooke(young=100.0, poisson=0.3)
+    )
+    pull = vv.Traction(solid=bar, faces="x1", traction=(0, 0.5, 0), times="t")
+    parts = [bar, vv.Fixed(solid=bar, nodes="x0"), pull]
+    system = vv.System(parts, newton=vv.Newton(linear=vv.Petsc(options)))
+    vv.simulate(system, until=0.2, step=0.05)
+    ends.append(float(system.x[-2]))
+if world().rank == 0:
+    print(ends[0] > 1.0, abs(ends[1] - ends[0]) < 1e-9)
+"""
+
+
+def test_what_a_solver_leaves_whole_is_solved_by_another(tmp_path: Path) -> None:
+    """No increment was taken for a step that needs none: nothing moved, and the audit said that all was well."""
+    for n in (0, 2):
+        assert said(n, IDLE, tmp_path).splitlines()[-1] == "True True"
+
+
 JOINTED = """
 import numpy as np
 import visviva as vv

@@ -33,12 +33,17 @@ def refuse_gathered(
     It is asked by batches, and by each process for its own of them. Looked at are some places, those with the largest
     `change` (n, columns) from values that were right among them.
     """
-    size = float(np.abs(found).max(initial=0.0))
-    for k in [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, len(X) // 2, len(X) - 1]:
-        alone = np.asarray(function(X[[k, k]]), dtype=float)
-        if alone.shape != (2, *found.shape[1:]) or not np.allclose(
-            alone[0], found[k], rtol=1e-4, atol=1e-6 * size
-        ):
+    n, size = len(X), float(np.abs(found).max(initial=0.0))
+    for k in [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, n // 2, n - 1]:
+        for some in (
+            [k, k],
+            [k, (k + n // 2 + 1) % n],
+        ):  # of one place alone the span is nothing, as in a plane
+            alone = np.asarray(function(X[some]), dtype=float)
+            is_right = alone.shape == (2, *found.shape[1:])
+            if is_right and np.allclose(alone[0], found[k], rtol=1e-4, atol=1e-6 * size):
+                break
+        else:
             raise InputError(
                 f"{whose}: its {what} at {X[k].tolist()} is {found[k].tolist()}, and of this point alone "
                 f"{alone[:1].tolist()}: it is asked of a part of the points at once (types of cells, processes); "

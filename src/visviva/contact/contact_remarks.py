@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from visviva.contact.contact_surface import Surface
     from visviva.model.model import Model
 
+SPREAD = "concentration", "damage"
+"""Fields of bodies that spread from node to node."""
 FELT = 5.0
 """Degrees of an edge below which half of it, by which friction acts askew, does not matter."""
 TORQUE = 0.95
@@ -66,6 +68,17 @@ def insulated(label: str, conducts: bool, *bodies: Any) -> list[str]:
     return [
         f"{label}: no heat passes between {' and '.join(carriers)}, which are insulated from each other there; give "
         "them a vv.HeatTie or a vv.HeatContact"
+    ]
+
+
+def parted(label: str, model: Model, first: Any, second: Any) -> list[str]:
+    """Remark that what spreads in both bodies ends at a tie."""
+    names = [{f.name for f in model.fields if f.component is body} for body in (first, second)]
+    return [
+        f"{label}: the {name}s of {first.label} and {second.label} know nothing of each other, it passes on positions "
+        "alone; make them one body, on meshes welded by Mesh.merged"
+        for name in SPREAD
+        if all(name in own for own in names)
     ]
 
 

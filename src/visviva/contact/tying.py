@@ -16,7 +16,7 @@ from visviva.component.announcements import Facing, Guiding, Holding
 from visviva.component.component import Component, settings
 from visviva.component.momentum import NOWHERE
 from visviva.component.values import Number
-from visviva.contact.contact_remarks import conducted, insulated
+from visviva.contact.contact_remarks import conducted, insulated, parted
 from visviva.contact.tie_integrals import MortarSurfaces
 from visviva.mesh.faces import Faces
 from visviva.model.batch import book
@@ -234,11 +234,12 @@ class Tie(Component):
         return float(self._shift.max(initial=0.0))
 
     def remarks(self) -> list[str]:
-        return insulated(self.label, self._conducts, self.first, self.second)
+        return [*insulated(self.label, self._conducts, self.first, self.second), *self._parted]
 
     def contribute(self, model: Model) -> None:
         import scipy.sparse as sp
 
+        self._parted = parted(self.label, model, self.first, self.second)
         left = np.abs(self._violation()[self._active]).max(initial=0.0)
         if left > 1e-6 * self._reach * abs(self._rows).max():
             raise InputError(

@@ -131,7 +131,7 @@ def examine(function: Callable[[Any], Any]) -> None:
     Raises
     ------
     RunError
-        If it raises, has another shape, is not finite at rest or has a kink.
+        If it raises, has another shape, is not finite at rest, has a kink or hinges on other points.
     """
     from visviva.model.callback import Function as Derivatives
 
@@ -140,6 +140,7 @@ def examine(function: Callable[[Any], Any]) -> None:
     W.value(rest[:, None])
     for name, path in PATHS.items():
         refuse_kink(W, name, rest, np.array(path, dtype=float))
+    refuse_hinged(W, rest[:, None] + 0.1 * REACH * np.array(list(PATHS.values()), dtype=float).T)
     stress = 2 * W.gradient(rest[:, None])[0, :, 0] * [1, 1, 1, 0.5, 0.5, 0.5]
     stiffness = 4 * np.abs(W.hessian(rest[:, None])).max()
     if np.abs(stress).max() > 1e-7 * stiffness:
@@ -147,6 +148,20 @@ def examine(function: Callable[[Any], Any]) -> None:
             f"UserMaterial: its stress at rest is {stress.round(9).tolist()} (11, 22, 33, 12, 23, 31), not zero; a "
             "body of it is prestressed. If that is not meant, add terms to the energy that take it away",
             stacklevel=2,
+        )
+
+
+def refuse_hinged(W: Any, C: Array) -> None:
+    """Refuse values at some C (6, n) that are others where these are alone: each process asks for its own points."""
+    with np.errstate(all="ignore"):
+        together = np.real(W.raw(C)[0]).astype(float)
+        alone = np.array([np.real(W.raw(c[:, None])[0]).astype(float)[0] for c in C.T])
+    apart = np.abs(together - alone)
+    if np.isfinite(apart).all() and apart.max() > 1e-6 * np.abs(together).max():
+        k = int(apart.argmax())
+        raise RunError(
+            f"UserMaterial, its energy: at C = {C[:, k].round(6).tolist()} it is {together[k]:g} among other points "
+            f"and {alone[k]:g} alone; let it hinge on the C of its own point, not on their number or largest"
         )
 
 

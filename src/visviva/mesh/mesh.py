@@ -284,7 +284,8 @@ class Mesh(metaclass=Named):
         ----------
         other : Mesh
         weld : float, optional
-            Distance below which nodes become one; without it the meshes stay apart.
+            Distance below which nodes become one, but those of the two lips of a cut (`opened`); without it the meshes
+            stay apart.
         """
         refuse_other("Mesh", "other", other, Mesh, "a mesh")
         both = convert.joined([self, other])
