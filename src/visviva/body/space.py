@@ -108,6 +108,10 @@ class ScalarSpace(Protocol):
         """Values (n_nodes,) of a field at the nodes of the grid."""
         ...
 
+    def torn(self, what: str, values: Array) -> list[str]:
+        """Remark on values (n_nodes,) that differ between nodes which are one."""
+        ...
+
     def fitted(self, values: Array) -> Array:
         """Coefficients (size,) of a field that is given at the nodes of the grid."""
         ...
@@ -239,6 +243,15 @@ class MeshSpace:
 
     def fitted(self, values: Array) -> Array:
         return np.asarray(values[self._first])
+
+    def torn(self, what: str, values: Array) -> list[str]:
+        apart = float(np.abs(values - self.at_nodes(self.fitted(values))).max())
+        if apart <= 1e-9 * np.abs(values).max():
+            return []
+        return [
+            f"{what} differs by up to {apart:.3g} between nodes of periodic faces that are one, which have that of the "
+            "first of them: give both the same"
+        ]
 
     def held(self, nodes: Ints) -> Ints:
         return np.unique(self.number[nodes])

@@ -257,6 +257,9 @@ class SplineSpace:
     def at_nodes(self, coefficients: Array) -> Array:
         return np.asarray(self.samples @ coefficients)
 
+    def torn(self, what: str, values: Array) -> list[str]:
+        return []  # what they are fitted to is seen by both of their sides
+
     def fitted(self, values: Array, leaders: Ints | None = None) -> Array:
         """By least squares; coefficients (size,) with the same leader are the same."""
         import scipy.sparse as sp

@@ -246,20 +246,8 @@ class PhaseBody(Limited, Meshed):
             self._resolved |= {now}
 
     def remarks(self) -> list[str]:
-        return [*self._on_images(), *self._on_logarithms()]
-
-    def _on_images(self) -> list[str]:
-        """On starts that differ between periodic faces, whose nodes are one."""
-        if not isinstance(self.space, MeshSpace):
-            return []
-        kept = self.space.at_nodes(self.space.fitted(self.start_values))
-        apart = float(np.abs(kept - self.start_values).max())
-        if apart <= 1e-9 * np.abs(kept).max():
-            return []
-        return [
-            f"{self.label}: its {self.quantity} at the start differs by up to {apart:.3g} between nodes of periodic "
-            "faces that are one, which have that of the first of them: give both the same"
-        ]
+        start = f"{self.label}: its {self.quantity} at the start"
+        return [*self.space.torn(start, self.start_values), *self._on_logarithms()]
 
     def _on_logarithms(self) -> list[str]:
         """Between corners nothing keeps nodes in the domain of logarithms, only quadrature points."""
