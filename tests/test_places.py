@@ -56,3 +56,60 @@ def test_strains_of_heat_that_hinge_on_other_points_are_refused(
 )
 def test_those_of_their_own_point_alone_are_taken(mesh: str, strain: Callable[[Array], Array]) -> None:
     vv.System([solid(mesh, strain)])
+
+
+def mixed() -> vv.Mesh:
+    """Quadrangles beside triangles."""
+    left = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+    right = vv.RectangleMesh(size=(1, 1), counts=(2, 2), cell="tri3", origin=(1, 0)).build()
+    return left.merged(right, weld=1e-9)
+
+
+def heated(body: vv.ThermalBody, power: Callable[[float, Array], Array]) -> None:
+    source = vv.HeatSource(body=body, power=power, name="stove")
+    vv.simulate(vv.System([body, source]), until=1.0, step=0.5)
+
+
+def test_sources_of_heat_that_hinge_on_other_points_are_refused() -> None:
+    """Each type of cells had its own mean: twice the heat."""
+    body = vv.ThermalBody(mesh=mixed(), conductivity=1.0, capacity=1.0, density=1.0, temperature=300.0)
+    for power in (lambda t, X: X[:, 0] - X[:, 0].mean(), lambda t, X: t * X[:, 0] / X[:, 0].max()):
+        with pytest.raises(vv.InputError, match=r"'stove': its power at .* of this point alone"):
+            heated(body, power)
+
+
+def test_tractions_that_hinge_on_other_points_are_refused() -> None:
+    solid = vv.Solid(mesh=mixed(), material=vv.SaintVenantKirchhoff(young=1.0, poisson=0.2), density=1.0)
+    with pytest.raises(vv.InputError, match=r"'wind': its traction at .* of this point alone"):
+        vv.Traction(
+            solid=solid,
+            faces="y1",
+            traction=lambda t, X: (X - X.mean(axis=0)) * [0, 1e-3, 0] + X * [0, 1, 0],
+            name="wind",
+        )
+
+
+def test_functions_may_move_what_they_are_given() -> None:
+    """A source that subtracts the centre in place moved the points at every call, and gave next to nothing."""
+
+    def in_place(t: float, X: Array) -> Array:
+        X -= [0.5, 0.5, 0.0]
+        return np.exp(-np.sum(X**2, axis=1) / 0.1)
+
+    def fresh(t: float, X: Array) -> Array:
+        return in_place(t, X.copy())
+
+    ends = []
+    for power in (in_place, fresh):
+        body = vv.ThermalBody(
+            mesh=MESHES["cells"],
+            conductivity=1.0,
+            capacity=1.0,
+            density=1.0,
+            temperature=lambda X: in_place(0.0, X),
+        )
+        system = vv.System([body, vv.HeatSource(body=body, power=power)])
+        vv.simulate(system, until=1.0, step=0.25)
+        ends.append(body.temperatures(system.x))
+    assert ends[0].mean() > 0.1
+    assert np.array_equal(*ends)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ Array = NDArray[np.float64]
 
 def of_places(whose: str, what: str, function: Callable[..., Any], X: Array, shape: tuple[int, ...]) -> Array:
     """Values of a function of places (n, 3), of the shape that is asked for."""
-    found = as_numbers(function(X))
+    found = as_numbers(function(X.copy()))  # which may move what it is given
     if found.shape != shape or not np.isfinite(found).all():
         raise InputError(
             f"{whose}: the function {what} gave shape {found.shape} or values that are not finite for positions "
@@ -35,11 +36,8 @@ def refuse_gathered(
     """
     n, size = len(X), float(np.abs(found).max(initial=0.0))
     for k in [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, n // 2, n - 1]:
-        for some in (
-            [k, k],
-            [k, (k + n // 2 + 1) % n],
-        ):  # of one place alone the span is nothing, as in a plane
-            alone = np.asarray(function(X[some]), dtype=float)
+        for other in (k, (k + n // 2 + 1) % n):  # of one place alone the span is nothing, as across a plane
+            alone = np.asarray(function(X[[k, other]]), dtype=float)
             is_right = alone.shape == (2, *found.shape[1:])
             if is_right and np.allclose(alone[0], found[k], rtol=1e-4, atol=1e-6 * size):
                 break
@@ -49,3 +47,22 @@ def refuse_gathered(
                 f"{alone[:1].tolist()}: it is asked of a part of the points at once (types of cells, processes); "
                 "let it hinge on the values of each point alone, not on X.max(), X.mean() or len(X)"
             )
+
+
+class OfPart:
+    """A user's function ``f(t, X)`` of places (n, 3), that is asked of a part of them at once.
+
+    It is looked at once whether that matters, at the first time when it is not the same everywhere.
+    """
+
+    def __init__(self, whose: str, what: str, function: Callable[[float, Array], Any]) -> None:
+        self.whose, self.what, self.function, self._is_local = whose, what, function, False
+
+    def __call__(self, time: float, X: Array) -> Array:
+        found = np.asarray(self.function(time, X.copy()), dtype=float)  # which may move what it is given
+        if not self._is_local and found.shape[:1] == X.shape[:1] and np.isfinite(found).all():
+            change = np.abs(found - found.mean(axis=0)).reshape(len(X), -1)
+            if change.any():
+                refuse_gathered(self.whose, self.what, partial(self.function, time), X, found, change)
+                self._is_local = True
+        return found

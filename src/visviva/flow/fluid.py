@@ -163,7 +163,7 @@ class Fluid(Meshed):
         weight = self.density * self._gravity
         if self._force is None:
             return np.broadcast_to(self.body_force + weight, X.shape)
-        found = np.asarray(self._force(time, X), dtype=float)
+        found = np.asarray(self._force(time, X.copy()), dtype=float)
         if found.shape != X.shape or not np.isfinite(found).all():
             raise RunError(
                 f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "

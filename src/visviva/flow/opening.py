@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError, RunError, named
+from visviva.base.places import OfPart
 from visviva.base.timefunction import OfTime
 from visviva.component.component import settings
 from visviva.component.values import VectorOrFunction
@@ -159,7 +160,8 @@ class FluidTraction(Open):
     def __post_init__(self) -> None:
         super().__post_init__()
         given = callable(self.traction)
-        self._function = guarded(self.label, "traction", self.traction) if given else None
+        function = guarded(self.label, "traction", self.traction) if given else None
+        self._function = OfPart(self.label, "traction", function) if function else None
         if not given and self.fluid.dimension == 2 and self.traction[2] != 0:
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
 
@@ -167,7 +169,7 @@ class FluidTraction(Open):
         if self._function is None:
             return np.broadcast_to(self.traction, p.X.shape)
         places = p.X.reshape(-1, 3)
-        found = np.asarray(self._function(time, places), dtype=float)
+        found = self._function(time, places)
         if found.shape != places.shape or not np.isfinite(found).all():
             raise RunError(
                 f"{self.label}: its traction has shape {found.shape} for positions {places.shape}, or is not finite at "

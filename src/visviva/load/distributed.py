@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
+from visviva.base.places import OfPart
 from visviva.base.timefunction import OfTime
 from visviva.body.director_body import refuse_thin
 from visviva.body.mesh_body import MeshBody
@@ -32,7 +33,7 @@ class Distribution:
 
     def __init__(self, label: str, what: str, solid: MeshBody, value: Any, times: Any) -> None:
         self.label, self.what, self.solid, self.value, self.times = label, what, solid, value, times
-        self._function = guarded(label, what, value) if callable(value) else None
+        self._function = OfPart(label, what, guarded(label, what, value)) if callable(value) else None
         if self._function is not None and times is not None:
             raise InputError(f"{label}: a {what} that is a function has time in it; drop times")
         try:
@@ -47,7 +48,7 @@ class Distribution:
         if self._function is None:
             return np.broadcast_to(self.value, X.shape)
         places = X.reshape(-1, 3)
-        found = np.asarray(self._function(time, places), dtype=float)
+        found = self._function(time, places)
         if found.shape != places.shape:
             raise RunError(
                 f"{self.label}: its {self.what} has shape {found.shape} for positions {places.shape}"

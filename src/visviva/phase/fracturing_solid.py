@@ -144,7 +144,9 @@ class FracturingSolid(Solid):
 
     def _given_damages(self) -> Array:
         n = self.grid.n_nodes
-        given = np.asarray(self.damage(self.points) if callable(self.damage) else self.damage, dtype=float)
+        given = np.asarray(
+            self.damage(self.points.copy()) if callable(self.damage) else self.damage, dtype=float
+        )
         if given.shape not in ((), (n,)):
             raise InputError(
                 f"{self.label}: the function damage gave shape {given.shape} for positions ({n}, 3); give shape ({n},)"
@@ -284,7 +286,9 @@ class FracturingSolid(Solid):
 
     def _free_strains(self, time: float) -> Array:
         n, given = self.grid.n_nodes, self.free_strain
-        found = np.asarray(given(time, self.points) if callable(given) else np.full(n, given), dtype=float)
+        found = np.asarray(
+            given(time, self.points.copy()) if callable(given) else np.full(n, given), dtype=float
+        )
         if found.shape != (n,) or not np.all(found > -1):
             raise InputError(
                 f"{self.label}: free_strain gave shape {found.shape}, or values that do not all exceed -1, at t = "

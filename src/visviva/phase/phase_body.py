@@ -112,7 +112,7 @@ class PhaseBody(Limited, Meshed):
         )
 
     def _sampled(self, given: NumberAtPlace) -> Array:
-        found = given(self.points) if callable(given) else given
+        found = given(self.points.copy()) if callable(given) else given
         values = np.asarray(found, dtype=float)
         if values.shape not in ((), (self.grid.n_nodes,)) or not np.all(np.isfinite(values)):
             raise InputError(

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
+from visviva.base.places import OfPart
 from visviva.base.timefunction import TimeFunction
 from visviva.body.mesh_points import Points
 from visviva.component.announcements import Facing
@@ -49,6 +50,7 @@ class Values:
         self.label, self.what = label, what
         self.by_place = not isinstance(given, TimeFunction)
         self.given = given
+        self._function = OfPart(label, what, given)
 
     def at(self, time: float, X: Array) -> Array:
         """Values (...) at a time and places (..., 3).
@@ -61,7 +63,7 @@ class Values:
         if not self.by_place:
             return np.full(X.shape[:-1], self.given(time))
         places = X.reshape(-1, 3)
-        found = np.asarray(self.given(time, places), dtype=float)
+        found = self._function(time, places)
         if found.shape not in ((), (len(places),)) or not np.all(np.isfinite(found)):
             raise RunError(
                 f"{self.label}: its {self.what} has shape {found.shape}, or is not finite, at t = {time:g} for "

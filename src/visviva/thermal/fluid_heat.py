@@ -108,7 +108,7 @@ class FluidHeat(HeatCarrier):
         if not 0 <= self.capturing <= 1:
             raise InputError(f"{self.label}: capturing = {self.capturing:g} is not between 0 and 1")
         self.grid = self.fluid.grid
-        given = self.temperature(self.points) if callable(self.temperature) else self.temperature
+        given = self.temperature(self.points.copy()) if callable(self.temperature) else self.temperature
         self.start_temperatures = np.array(
             np.broadcast_to(np.asarray(given, dtype=float), (self.grid.n_nodes,))
         )

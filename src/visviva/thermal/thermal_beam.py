@@ -88,7 +88,7 @@ class ThermalBeam(Beam, HeatCarrier):
         self._refuse_others()
         n, heat = self.grid.n_nodes, self.heat
         given = heat.reference if self.temperature is None else self.temperature
-        found = given(self.points) if callable(given) else given
+        found = given(self.points.copy()) if callable(given) else given
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), n))
         across = (
             of_places(self.label, "slopes", self.slopes, self.points, (n, 2))

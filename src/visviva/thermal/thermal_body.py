@@ -116,7 +116,7 @@ class ThermalBody(Meshed, HeatCarrier):
             raise InputError(beyond)
 
     def _initial(self) -> Array:
-        given = self.temperature(self.points) if callable(self.temperature) else self.temperature
+        given = self.temperature(self.points.copy()) if callable(self.temperature) else self.temperature
         start = np.array(np.broadcast_to(np.asarray(given, dtype=float), (self.grid.n_nodes,)))
         if not np.all(np.isfinite(start)):
             raise InputError(f"{self.label}: its temperature is not finite everywhere")

@@ -111,8 +111,8 @@ class ThermalShell(ExtensibleShell, HeatCarrier):
         self._refuse_others()
         n, X = self.grid.n_nodes, self.points
         given = self.heat.reference if self.temperature is None else self.temperature
-        middle = given(X) if callable(given) else given
-        apart = self.difference(X) if callable(self.difference) else self.difference
+        middle = given(X.copy()) if callable(given) else given
+        apart = self.difference(X.copy()) if callable(self.difference) else self.difference
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(middle, dtype=float), n))
         self._start_halves = 0.5 * np.array(np.broadcast_to(np.asarray(apart, dtype=float), n))
         refuse_below_zero(self.label, self.start_temperatures - np.abs(self._start_halves))

@@ -117,7 +117,7 @@ class ThermoelasticSolid(Solid, HeatCarrier):
             raise InputError(f"{self.label}: {error}") from None
         super().__post_init__()
         given = self.heat.reference if self.temperature is None else self.temperature
-        found = given(self.points) if callable(given) else given
+        found = given(self.points.copy()) if callable(given) else given
         self.start_temperatures = np.array(np.broadcast_to(np.asarray(found, dtype=float), self.grid.n_nodes))
         refuse_below_zero(self.label, self.start_temperatures)
         self._refuse_others()
