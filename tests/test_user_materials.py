@@ -270,6 +270,14 @@ def test_energies_that_hinge_on_other_points_are_refused() -> None:
     def energy(C: Any) -> Any:
         return (1 + 0.5 * np.real(C[0]).max()) * rubber(C)
 
+    def late(C: Any) -> Any:
+        return (0.5 if (np.real(C[0]) > 1.2).any() else 1.0) * rubber(C)
+
+    for function in (energy, late):
+        refused(function)
+
+
+def refused(energy: Any) -> None:
     with pytest.raises(
         vv.InputError, match=r"among other points and .* alone; let it hinge on the C of its own"
     ):

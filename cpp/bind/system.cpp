@@ -297,6 +297,7 @@ static void bind_assembly(nb::class_<System>& system) {
         .def_prop_ro("is_outdated", &System::is_outdated)
         .def_prop_ro("is_settled", &System::is_settled)
         .def("set_monotone", &System::set_monotone)
+        .def("set_cracking", &System::set_cracking)
         .def_prop_ro("resting", &System::resting)
         .def("halt",
              [](System& s, const std::vector<int>& halted) {

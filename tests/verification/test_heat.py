@@ -211,6 +211,22 @@ def test_heat_content_is_exact_with_any_capacity(step: float) -> None:
     assert result.ledger.imbalance() < 1e-12
 
 
+@pytest.mark.parametrize("scheme", [vv.BDF2(), vv.GeneralizedAlpha(0.8)], ids=str)
+@pytest.mark.parametrize("value", ["3 - 5*t", "3 + 5*t"])
+def test_what_held_temperatures_supply_is_the_change_of_content(scheme: vv.Scheme, value: str) -> None:
+    """A body as warm as its end, by the integral of the capacity: a fifth was missing, at any step."""
+    body = bar(4, capacity_slope=0.3, conductivity=1e4, temperature=3.0)
+    system = vv.System([body, held(body, "x0", value)])
+    errors = []
+    for step in (0.02, 0.01):
+        system.reset()
+        ledger = vv.simulate(system, until=0.2, step=step, scheme=scheme).ledger
+        supplied = ledger["heat_supply"][-1]
+        errors.append(abs(supplied / (ledger["total"][-1] - ledger["total"][0]) - 1))
+    assert errors[0] < 1e-3
+    assert errors[1] < 0.4 * errors[0] + 1e-7
+
+
 def test_lumped_body_follows_newton() -> None:
     """A small Biot number: the whole body cools exponentially."""
     mesh = vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 2))

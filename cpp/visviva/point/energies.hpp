@@ -49,6 +49,11 @@ struct HeatContentEnergy : PlainEnergy {
     void follow(const Step& step, V rate, const V* e0, V* e1, V* et, V* s, V* T) const {
         const auto& t = step.transport;
         V bend;
+        if (step.h < 0) {  // the ledger's way back: to the start of a step, with the rate of theta there
+            s[0] = capacity.mean(e1[0] - p[1], e1[0] - p[1], bend), et[1] = et[2] = V{};
+            if constexpr (tangent) T[0] = bend;
+            return;
+        }
         s[0] = capacity.mean(e0[0] - p[1], e1[0] - p[1], bend);
         const double share = step.stress == Stress::discrete_gradient ? 1.0 : step.theta;
         if constexpr (tangent) T[0] = share > 0 ? bend / share : V{};

@@ -62,7 +62,7 @@ bool System::extend_prescribed_motion(const Context& c) {
         motion.push_back(dx[u]);
         largest = std::max(largest, std::abs(dx[u]));
     }
-    if (largest == 0 || !c.step.is_static()) return true;
+    if (largest == 0 || !starts_still(c.step)) return true;
     auto residual_at = [&](double part) {
         for (std::size_t k = 0; k < motion.size(); ++k) dx[prescribed_[k]] = part * motion[k];
         update_vectors(c.step);

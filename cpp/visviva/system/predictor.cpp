@@ -64,13 +64,10 @@ void Extrapolation::push(const double* x) {
     // Difference k + 1 is what the sum of those before it missed x by; where difference k changed its sign,
     // that sum less difference k would have met x.
     // Of few steps there is little to choose from.
-    // What came at once does not come again: where nothing moves, a rule is to be trusted only if it would
-    // have met the last value by half at least.
     order_ = 1, alternates_ = false;
     double least = known_ > 0 ? error[0] : 0;
-    if (spreads_)
-        if (const double all = 0.5 * vector_kernels().largest(n, x, weight_.data());
-            known_ == 0 || all < least)
+    if (spreads_ && known_ > 0)
+        if (const double all = vector_kernels().largest(n, x, weight_.data()); all < least)
             least = all, order_ = 0;
     for (int k = 1; k < known_; ++k) {
         if (error[k] < least && known_ > 2) least = error[k], order_ = k + 1, alternates_ = false;
@@ -115,8 +112,10 @@ void Predictor::resize(std::vector<int> coordinates, std::vector<double> weight,
     work_.assign(std::max({coordinates_.size(), multipliers_.size(), 3 * rigid_.size()}), 0.0);
 }
 
-void Predictor::predict(double h, const double* x, const double* v, double* dx) {
-    if (h == h_ && motion_.knows()) {
+void Predictor::predict(double h, const double* x, const double* v, bool moves, double* dx) {
+    if (!moves) {
+        for (int i : coordinates_) dx[i] = 0;
+    } else if (h == h_ && motion_.knows()) {
         motion_.next(work_.data());
         scatter(coordinates_, work_.data(), dx);
     } else {

@@ -111,16 +111,17 @@ void System::prepare_predictor() {
         if (order_[i] > 0) weight.push_back(inverse_scale_[i]);
     }
     const bool moves = std::find(order_.begin(), order_.end(), 2) != order_.end();
-    predictor_.resize(std::move(coordinates), std::move(weight), !any(moves) || monotone_.any(),
-                      std::move(multipliers), blocks_.rigid);
+    predictor_.resize(std::move(coordinates), std::move(weight), !any(moves), std::move(multipliers),
+                      blocks_.rigid);
 }
 
-// The start of the iteration: motion extrapolated, prescribed unknowns as set.
+// The start of the iteration: motion extrapolated, prescribed unknowns as set. Cracks would grow by what
+// motion goes too far where a load stops to grow, and balance there as well, with more energy.
 void System::predict(const Step& step) {
     for (int i = 0; i < n_; ++i)
         if (!fixed_[i]) dx[i] = 0;
-    if (!step.is_static()) predictor_.predict(step.h, x.data(), v.data(), dx.data());
-    predictor_.predict_multipliers(step.h, dx.data());
+    if (!step.is_static()) predictor_.predict(step.h, x.data(), v.data(), !starts_still(step), dx.data());
+    if (step.is_static() || !starts_still(step)) predictor_.predict_multipliers(step.h, dx.data());
     for (std::size_t k = 0; k < guessed_.size(); ++k)
         if (!fixed_[guessed_[k]]) dx[guessed_[k]] = guess_[k];
     guessed_.clear();

@@ -140,7 +140,8 @@ def examine(function: Callable[[Any], Any]) -> None:
     W.value(rest[:, None])
     for name, path in PATHS.items():
         refuse_kink(W, name, rest, np.array(path, dtype=float))
-    refuse_hinged(W, rest[:, None] + 0.1 * REACH * np.array(list(PATHS.values()), dtype=float).T)
+    away = np.array(list(PATHS.values()), dtype=float).T
+    refuse_hinged(W, rest[:, None] + np.hstack([0.1 * REACH * away, 0.9 * REACH * away, -0.9 * REACH * away]))
     stress = 2 * W.gradient(rest[:, None])[0, :, 0] * [1, 1, 1, 0.5, 0.5, 0.5]
     stiffness = 4 * np.abs(W.hessian(rest[:, None])).max()
     if np.abs(stress).max() > 1e-7 * stiffness:

@@ -66,6 +66,8 @@ def build_core(system: System) -> _core.System:
     core.set_prescribed(*held)
     hand_reductions(core, system)
     core.finalize()
+    if model.growing:
+        core.set_cracking()
     resting = [g.field for g in model.growing if g.held]
     if resting:
         core.set_monotone([u for f in resting for u in np.asarray(f.unknowns)[~f.fixed].tolist()])
