@@ -12,12 +12,14 @@ from pydantic.dataclasses import dataclass
 from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError
 from visviva.body.element import geometry, solid_rule
+from visviva.body.inverted import Upright
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.announcements import shared_numbers
 from visviva.component.component import settings
+from visviva.component.limited import Limited
 from visviva.component.values import Number, NumberAtPlace, NumberOrFunction
 from visviva.load.periodic_faces import shared_values
 from visviva.mesh.cells import CELLS
@@ -45,12 +47,14 @@ REMEMBERING = {
     PhysicsKind.FRACTURE_OF_REVOLUTION: PhysicsKind.HISTORY_FRACTURE_OF_REVOLUTION,
 }
 """The same with a history field."""
+CARRIES = 0.9
+"""Damage beyond which cells of a node are broken, and may turn inside out."""
 ROUNDING = 1e-9
 """Integrals of shape functions below this part of their mean are none: those of corners of tri6."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class FracturingSolid(Solid):
+class FracturingSolid(Upright, Solid, Limited):
     """A solid that cracks: its nodes have damages beside positions.
 
     Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, with
@@ -235,6 +239,9 @@ class FracturingSolid(Solid):
                 f"{self.label}: length = {self.length:g} is below the size of its smallest cell, {size:.4g}; a crack "
                 f"needs cells of {0.5 * self.length:.3g} or finer where it runs: refine the mesh, or smear it wider"
             )
+
+    def _carrying(self, x: Array) -> NDArray[np.bool_]:
+        return self.damages(x) < CARRIES
 
     def remarks(self) -> list[str]:
         return [*self._on_cells(), *self._on_lines()]

@@ -13,6 +13,7 @@ from visviva import _core
 from visviva.base.arguments import LISTED
 from visviva.base.errors import InputError
 from visviva.body.element import solid_rule
+from visviva.body.inverted import Upright
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
 from visviva.body.solid_term import Elements
@@ -53,7 +54,7 @@ class Chemistry(CahnHilliard):
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class MixtureSolid(Limited, Solid):
+class MixtureSolid(Upright, Solid, Limited):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
 
     Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, in space or in plane strain,

@@ -67,7 +67,7 @@ def build_core(system: System) -> _core.System:
     hand_reductions(core, system)
     core.finalize()
     if model.growing:
-        core.set_cracking()
+        core.set_cracking(all(getattr(g.field.component, "density", 0.0) > 0 for g in model.growing))
     resting = [g.field for g in model.growing if g.held]
     if resting:
         core.set_monotone([u for f in resting for u in np.asarray(f.unknowns)[~f.fixed].tolist()])

@@ -13,6 +13,7 @@ from pydantic.dataclasses import dataclass
 from visviva.base.errors import InputError, RunError
 from visviva.body import formulation as forms
 from visviva.body.element import Geometry, solid_rule
+from visviva.body.inverted import Upright
 from visviva.body.mesh_points import Points
 from visviva.body.solid import Solid
 from visviva.body.solid_fields import Evaluated, of_each, summed
@@ -65,7 +66,7 @@ DILATED = {
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class ThermoelasticSolid(Solid, HeatCarrier):
+class ThermoelasticSolid(Upright, Solid, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
     Takes the arguments of `Solid`, in space or in a plane, and
