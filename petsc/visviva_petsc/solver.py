@@ -133,9 +133,8 @@ class Solver:
         if reason < 0:
             self.message = f"no convergence in {self.iterations} iterations (reason {reason} of PETSc)"
             return False
-        if (
-            self.iterations == 0 and self.d.norm() == 0 < self.r.norm()
-        ):  # which would be taken for a step that needs none
+        # No increment would be taken for a step that needs none.
+        if self.iterations == 0 and self.d.norm() == 0 < self.r.norm():
             self.message = f"it left all of the residual (reason {reason} of PETSc)"
             return False
         self.bring.scatter(self.d, self.near)

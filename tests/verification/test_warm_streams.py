@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,21 +13,10 @@ from numpy.typing import NDArray
 import visviva as vv
 from visviva.body.mesh_points import face_points
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+from warm_stream import parabola, widening
+
 Array = NDArray[np.float64]
-
-
-def widening(cell: Any, across: int) -> vv.Mesh:
-    """A channel from 1 to 2 wide, whose floor sinks smoothly."""
-    mesh = vv.RectangleMesh(size=(4, 1), counts=(4 * across, across), cell=cell).build()
-    X = mesh.points.copy()
-    s = np.clip((X[:, 0] - 1) / 0.6, 0, 1)
-    sinks = s**2 * (3 - 2 * s)
-    X[:, 1] = X[:, 1] * (1 + sinks) - sinks
-    return vv.Mesh(points=X, cells=mesh.cells, face_sets=mesh.face_sets)
-
-
-def parabola(t: float, X: Array) -> Array:
-    return 6 * X[:, 1:2] * (1 - X[:, 1:2]) * [1, 0, 0]
 
 
 def stream(cell: str, across: int, reference: float | None = None) -> tuple[vv.FluidHeat, list[Any]]:
