@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import visviva as vv
+from visviva.base.places import OfPart
 
 Array = NDArray[np.float64]
 MESHES = {
@@ -113,3 +114,20 @@ def test_functions_may_move_what_they_are_given() -> None:
         ends.append(body.temperatures(system.x))
     assert ends[0].mean() > 0.1
     assert np.array_equal(*ends)
+
+
+def test_functions_may_keep_what_they_give() -> None:
+    """One that fills an array of its own gave other points' values where it was looked at."""
+    own = np.zeros((99, 3))
+
+    def kept(t: float, X: Array) -> Array:
+        own[: len(X)] = [1.0 + t, 0.0, 0.0] * X
+        return own[: len(X)]
+
+    fluid = vv.Fluid(mesh=MESHES["cells"], density=1.0, viscosity=1.0, body_force=kept)
+    X = np.linspace(1.0, 2.0, 30).reshape(10, 3)
+    for t in (1.0, 2.0):
+        assert fluid.force_at(t, X)[:, 0] == pytest.approx((1 + t) * X[:, 0])
+    found = OfPart("stove", "power", lambda t, X: kept(t, X)[:, 0])(0.0, X)
+    kept(1.0, X)
+    assert found == pytest.approx(X[:, 0])

@@ -59,7 +59,7 @@ class OfPart:
         self.whose, self.what, self.function, self._is_local = whose, what, function, False
 
     def __call__(self, time: float, X: Array) -> Array:
-        found = np.asarray(self.function(time, X.copy()), dtype=float)  # which may move what it is given
+        found = np.array(self.function(time, X.copy()), dtype=float)  # it may move X, and keep what it gives
         if not self._is_local and found.shape[:1] == X.shape[:1] and np.isfinite(found).all():
             change = np.abs(found - found.mean(axis=0)).reshape(len(X), -1)
             if change.any():

@@ -163,7 +163,7 @@ class Fluid(Meshed):
         weight = self.density * self._gravity
         if self._force is None:
             return np.broadcast_to(self.body_force + weight, X.shape)
-        found = np.asarray(self._force(time, X.copy()), dtype=float)
+        found = np.array(self._force(time, X.copy()), dtype=float)  # which may keep what it gives
         if found.shape != X.shape or not np.isfinite(found).all():
             raise RunError(
                 f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "
@@ -171,7 +171,7 @@ class Fluid(Meshed):
             )
         before = self._last.get(len(X))
         if before is None or before[0] != time:
-            self._last[len(X)] = time, found.copy()
+            self._last[len(X)] = time, found
             change = np.abs(found - before[1] if before else found)
             if change.any():
                 force = partial(self._force, time)
