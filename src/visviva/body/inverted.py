@@ -2,57 +2,59 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visviva.component.meshed import Meshed
-from visviva.mesh.cells import CELLS
-from visviva.mesh.mesh import Mesh
-from visviva.mesh.quadrature import stiffness_rule
+from visviva.body.solid_fields import CHUNK
+from visviva.body.stressed_cells import StressedCells
+from visviva.component.limited import Limited
+
+if TYPE_CHECKING:
+    from visviva.body.mesh_body import MeshBody
 
 Array = NDArray[np.float64]
-CHUNK = 4096
-"""Cells that are looked at at a time."""
+Ints = NDArray[np.int64]
+Ratios = tuple[Ints, Ints, Array]
+"""Nodes (m, k), numbers (m,) and ratios of volumes (m, q) of some cells."""
 
 
-class Upright:
-    """Of a limited `Solid` with terms of points, which know nothing of their cell; that of `Solid` looks at it."""
+class Upright(Limited):
+    """Of a `Solid` with terms of points, which know nothing of their cell; the terms of `Solid` look at it."""
 
-    grid: Mesh
+    _evaluations: list[StressedCells]  # all cells, where they are integrated
 
     def invalid(self, x: Array) -> str:
-        """A cell that is inside out at one of its quadrature points."""
+        """The cell that is inside out most, at a point where it is integrated and still carries."""
         body: Any = self
-        return inverted(body, body.positions(x), self._carrying(x)) or str(super().invalid(x))  # type: ignore[misc]
+        return flattest(body, x, self._ratios(x), 0.0) or super().invalid(x)
 
-    def trouble(self, x: Array) -> str:
-        return self.invalid(x) or str(super().trouble(x))  # type: ignore[misc]
+    def _ratios(self, x: Array) -> Iterator[Ratios]:
+        first = 0
+        for part in self._evaluations:
+            numbers = first + np.arange(len(part.nodes))
+            for start in range(0, len(numbers), CHUNK):
+                some = slice(start, start + CHUNK)
+                J = np.where(self._carries(x, part, some), part.ratios(x, some), np.inf)
+                yield part.nodes[some], numbers[some], J
+            first += len(numbers)
 
-    def _carrying(self, x: Array) -> NDArray[np.bool_]:
-        """Which nodes (n,) belong to what still carries: cells of these alone are looked at."""
-        return np.ones(self.grid.n_nodes, dtype=bool)
-
-
-def inverted(body: Meshed, positions: Array, carrying: NDArray[np.bool_]) -> str:
-    """The cell that is inside out most, of those whose nodes are all `carrying`; empty if there is none."""
-    number = 0
-    for cell, nodes in body.grid.cells.items():
-        D = CELLS[cell].dN(stiffness_rule(cell).points)
-        for first in range(0, len(nodes), CHUNK):
-            some = nodes[first : first + CHUNK]
-            F = np.einsum("qka,mki->mqia", D, positions[some][:, :, : D.shape[2]])
-            least = np.where(carrying[some].all(axis=1), determinants(F).min(axis=1), np.inf)
-            if not least[k := int(least.argmin())] > 0:
-                place = ", ".join(f"{c:.4g}" for c in body.points[some[k]].mean(axis=0))
-                return f"element {number + first + k} of {body.label} near ({place}) is inverted"
-        number += len(nodes)
-    return ""
+    def _carries(self, x: Array, part: StressedCells, some: slice) -> NDArray[np.bool_] | bool:
+        """Whether there is something to turn at the points (m, q) of some cells."""
+        return True
 
 
-def determinants(F: Array) -> Array:
-    """Of matrices (..., d, d), d = 2 or 3."""
-    if F.shape[-1] == 2:
-        return np.asarray(F[..., 0, 0] * F[..., 1, 1] - F[..., 0, 1] * F[..., 1, 0])
-    return np.asarray(np.einsum("...i,...i->...", F[..., 0], np.cross(F[..., 1], F[..., 2])))
+def flattest(body: MeshBody, x: Array, cells: Iterable[Ratios], limit: float) -> str:
+    """The cell with the least ratio of volumes, if that is at the limit or below it; else nothing."""
+    least, found = limit, ""
+    for nodes, numbers, J in cells:
+        lowest = J.min(axis=1)
+        e = int(np.argmin(lowest))
+        if not lowest[e] > least:
+            least, place = float(lowest[e]), body.carriers.vectors(x)[nodes[e]].mean(axis=0)
+            at = ", ".join(f"{c:.4g}" for c in place)
+            state = "inverted" if least <= 0 else "nearly flat"
+            found = f"element {numbers[e]} of {body.label} near ({at}) is {state} (det F = {least:.3g})"
+    return found

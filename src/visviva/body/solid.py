@@ -16,6 +16,7 @@ from visviva.base.world import world
 from visviva.body import formulation as forms
 from visviva.body.element import masses, nodal_masses, solid_rule
 from visviva.body.formulation import Formulation
+from visviva.body.inverted import flattest
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
 from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
@@ -399,16 +400,8 @@ class Solid(MeshBody):
         return np.concatenate([self._whole(*parts).reshape(-1, width) for parts in found.values()])
 
     def trouble(self, x: Array) -> str:
-        J, worst = SQUEEZED, ""
-        for _, nodes, cells, _, part in self._evaluated(x):
-            least = part.J.min(axis=1)
-            e = int(np.argmin(least))
-            if least[e] < J:
-                J, place = float(least[e]), self.carriers.vectors(x)[nodes[e]].mean(axis=0)
-                at = ", ".join(f"{c:.4g}" for c in place)
-                state = "inverted" if J <= 0 else "nearly flat"
-                worst = f"element {cells[e]} of {self.label} near ({at}) is {state} (det F = {J:.3g})"
-        return worst
+        cells = ((nodes, numbers, part.J) for _, nodes, numbers, _, part in self._evaluated(x))
+        return super().trouble(x) or flattest(self, x, cells, SQUEEZED)
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
         total = np.zeros((self.grid.n_nodes, 3))

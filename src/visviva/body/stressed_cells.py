@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from visviva.body.solid_fields import FULL, components
 from visviva.body.solid_term import Elements
+from visviva.mesh.geometry import determinant
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -48,6 +49,11 @@ class StressedCells:
         hoop = None if self.hoop is None else self.hoop[some]
         F = deformation(self.gradients[some], self.vectors(x, some), hoop)
         return F, components(np.swapaxes(F, -1, -2) @ F)
+
+    def ratios(self, x: Array, some: slice) -> Array:
+        """Ratios of volumes (m, q) by the vectors alone, whatever the material feels."""
+        hoop = None if self.hoop is None else self.hoop[some]
+        return determinant(deformation(self.gradients[some], self.vectors(x, some), hoop))
 
     def fields(self, x: Array, start: int, stop: int) -> Array:
         """Rows (m, q, 16) of F, second Piola-Kirchhoff stresses and energies, as of the core's terms of solids."""

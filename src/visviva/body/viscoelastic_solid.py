@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError
-from visviva.body.inverted import Upright
 from visviva.body.solid import Solid
 from visviva.body.solid_term import Elements
 from visviva.component.component import settings
-from visviva.component.limited import Limited
 from visviva.material.branch import MaxwellBranch
 from visviva.model.points import Group, PhysicsKind, add_points
 
@@ -45,7 +43,7 @@ class Branched:
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class ViscoelasticSolid(Branched, Upright, Solid, Limited):
+class ViscoelasticSolid(Branched, Solid):
     """A solid of a generalised Maxwell material in finite strains.
 
     Takes the arguments of `Solid`, whose material is that of long times, and

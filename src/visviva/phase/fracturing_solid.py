@@ -19,7 +19,6 @@ from visviva.body.solid_term import Elements
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.announcements import shared_numbers
 from visviva.component.component import settings
-from visviva.component.limited import Limited
 from visviva.component.values import Number, NumberAtPlace, NumberOrFunction
 from visviva.load.periodic_faces import shared_values
 from visviva.mesh.cells import CELLS
@@ -48,13 +47,13 @@ REMEMBERING = {
 }
 """The same with a history field."""
 CARRIES = 0.9
-"""Damage beyond which cells of a node are broken, and may turn inside out."""
+"""Damage from which on a point is broken, and its cell may turn inside out there."""
 ROUNDING = 1e-9
 """Integrals of shape functions below this part of their mean are none: those of corners of tri6."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class FracturingSolid(Upright, Solid, Limited):
+class FracturingSolid(Solid, Upright):
     """A solid that cracks: its nodes have damages beside positions.
 
     Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, with
@@ -240,8 +239,8 @@ class FracturingSolid(Upright, Solid, Limited):
                 f"needs cells of {0.5 * self.length:.3g} or finer where it runs: refine the mesh, or smear it wider"
             )
 
-    def _carrying(self, x: Array) -> NDArray[np.bool_]:
-        return self.damages(x) < CARRIES
+    def _carries(self, x: Array, part: StressedCells, some: slice) -> NDArray[np.bool_] | bool:
+        return np.asarray(self.damages(x)[part.nodes[some]] @ part.N.T < CARRIES)
 
     def remarks(self) -> list[str]:
         return [*self._on_cells(), *self._on_lines()]
@@ -325,7 +324,7 @@ class FracturingSolid(Upright, Solid, Limited):
             every = np.arange(self.grid.n_nodes)
             model.prescribe(self, self._stretched, every, self._free_strains, self._free_rates)
         self._elements, self._energy, self._starts_stress = [], None, False
-        self._evaluations: list[StressedCells] = []
+        self._evaluations = []
         first = 0
         for cell, nodes in self.grid.cells.items():
             self._elements.append(self._made(model, cell, nodes, first))

@@ -20,7 +20,6 @@ from visviva.body.solid_term import Elements
 from visviva.body.space import Table
 from visviva.body.stressed_cells import StressedCells
 from visviva.component.component import settings
-from visviva.component.limited import Limited
 from visviva.component.values import Matrix, Number, NumberAtPlace, Pairs
 from visviva.load.periodic_faces import PeriodicFaces
 from visviva.mesh.cells import CELLS
@@ -54,7 +53,7 @@ class Chemistry(CahnHilliard):
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class MixtureSolid(Upright, Solid, Limited):
+class MixtureSolid(Solid, Upright):
     """A solid whose phases separate by diffusion, strained by its composition, so that stress drives diffusion too.
 
     Takes the arguments of `Solid` but those of damping, `thermal_strain` and `tangent`, in space or in plane strain,
@@ -220,7 +219,7 @@ class MixtureSolid(Upright, Solid, Limited):
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False
-        self._stressed: list[StressedCells] = []
+        self._evaluations = []
         first = 0
         for table, parts in zip(self.space.cells(), self._parts(), strict=True):
             self._elements.append(self._mixed(model, table, *parts, first))
@@ -274,7 +273,7 @@ class MixtureSolid(Upright, Solid, Limited):
         term = add_points(model, self, kind, groups, at.volume, self.constants())
         term.limit(1, stride(self.chemistry))
         self.chemistry.drive(model, self, term)
-        self._stressed.append(at)
+        self._evaluations.append(at)
         return looks.elements(cell, first)
 
     def constants(self) -> list[float]:
@@ -293,7 +292,7 @@ class MixtureSolid(Upright, Solid, Limited):
         return m * W, m[:, None] * share * S
 
     def nodal_forces(self, x: Array, cells: NDArray[np.bool_] | None = None) -> Array:
-        return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._stressed), cells)
+        return summed(self.grid, ((part.nodes, part.forces(x)) for part in self._evaluations), cells)
 
     # --- what it shows -------------------------------------------------------------------------------------
     def _evaluated(self, x: Array) -> Iterator[Evaluated]:
@@ -319,7 +318,7 @@ class MixtureSolid(Upright, Solid, Limited):
 
     def elastic_energy(self, x: Array) -> float:
         """Energy of strains at the unknowns `x`."""
-        parts = ((p.volume * p.fields(x, 0, len(p.nodes))[..., 15]).sum() for p in self._stressed)
+        parts = ((p.volume * p.fields(x, 0, len(p.nodes))[..., 15]).sum() for p in self._evaluations)
         return float(sum(parts))
 
     def _carried(self) -> Mapping[str, Callable[[Array], Array]]:

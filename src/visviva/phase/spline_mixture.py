@@ -63,4 +63,4 @@ class SplineMixtureSolid(OnSplines, MixtureSolid):
             yield cell, at, at, self._packed_masses(t) if self.density > 0 else None
 
     def _exerted(self, x: Array) -> Iterator[tuple[Any, Array]]:
-        return ((part.nodes, part.forces(x)) for part in self._stressed)
+        return ((part.nodes, part.forces(x)) for part in self._evaluations)

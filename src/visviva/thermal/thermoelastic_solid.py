@@ -66,7 +66,7 @@ DILATED = {
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
-class ThermoelasticSolid(Upright, Solid, HeatCarrier):
+class ThermoelasticSolid(Solid, Upright, HeatCarrier):
     """A solid whose nodes have entropies and temperatures beside positions.
 
     Takes the arguments of `Solid`, in space or in a plane, and
@@ -263,7 +263,7 @@ class ThermoelasticSolid(Upright, Solid, HeatCarrier):
 
     def contribute(self, model: Model) -> None:
         self._elements, self._energy, self._starts_stress = [], None, False
-        self._evaluations: list[StressedCells] = []
+        self._evaluations = []
         self._conducts: list[Any] = []
         first = 0
         for cell, nodes in self.grid.cells.items():
@@ -373,8 +373,5 @@ class ThermoelasticSolid(Upright, Solid, HeatCarrier):
 
     def trouble(self, x: Array) -> str:
         steep = self.heat.stores.steepness if isinstance(self.heat, Heat) else ""
-        found = [self._trouble(x), f"The capacity of {self.label} {steep}" if steep else ""]
+        found = [super().trouble(x), f"The capacity of {self.label} {steep}" if steep else ""]
         return ". ".join(word for word in found if word)
-
-    def _trouble(self, x: Array) -> str:
-        return self.invalid(x) or super().trouble(x)
