@@ -623,19 +623,3 @@ def test_axes_of_cells_turn_with_the_mesh(cell: str) -> None:
     axes = cell_axes(box)
     assert np.allclose(cell_axes(turn), R @ axes)
     assert np.allclose(np.abs(np.linalg.det(axes)), box.volumes)
-
-
-def test_welding_leaves_cuts_open() -> None:
-    """Halves that were cut before they were merged were healed; now they are what is cut after."""
-
-    def cut(mesh: vv.Mesh) -> vv.Mesh:
-        return mesh.opened(
-            lambda X: (np.abs(X[:, 1] - 0.5) < 1e-9) & (X[:, 0] < 0.75), lambda X: X[:, 1] > 0.5
-        )
-
-    halves = [vv.RectangleMesh(size=(0.5, 1), counts=(2, 4), origin=(x, 0)).build() for x in (0.0, 0.5)]
-    before = cut(halves[0]).merged(cut(halves[1]), weld=1e-9)
-    after = cut(halves[0].merged(halves[1], weld=1e-9))
-    assert before.n_nodes == after.n_nodes == 5 * 5 + 3
-    pairs = [sorted(map(tuple, np.round(mesh.points, 9))) for mesh in (before, after)]
-    assert pairs[0] == pairs[1]

@@ -10,7 +10,6 @@ import numpy as np
 
 from visviva.base.errors import InputError, nearest
 from visviva.mesh.cells import CELLS, Array, Cell, Ints, cell_type
-from visviva.mesh.cut import LIPS
 from visviva.mesh.faces import Faces, union
 from visviva.mesh.geometry import equal_rows
 
@@ -92,16 +91,15 @@ def with_nodes_numbered(mesh: Mesh, points: Array, new: Ints) -> Mesh:
 
 
 def welded(mesh: Mesh, distance: float) -> Mesh:
-    """Nodes closer than a distance become one, at the place of the first of them; lips of a cut stay apart."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    """Nodes closer than a distance become one, at the place of the first of them."""
     from scipy.spatial import cKDTree
 
-    i, j = cKDTree(mesh.points).query_pairs(distance, output_type="ndarray").T
-    lip = _lips(mesh)
-    i, j = np.stack([i, j])[:, lip[i] * lip[j] >= 0]
-    graph = coo_array((np.ones(len(i)), (i, j)), shape=(mesh.n_nodes, mesh.n_nodes))
-    _, group = connected_components(graph, directed=False)
+    return united(mesh, *cKDTree(mesh.points).query_pairs(distance, output_type="ndarray").T)
+
+
+def united(mesh: Mesh, i: Ints, j: Ints) -> Mesh:
+    """Nodes of pairs (m,) become one, at the place of the first of them."""
+    group = groups(mesh.n_nodes, i, j)
     _, first = np.unique(group, return_index=True)
     kept = np.sort(first)
     rank = np.empty(len(first), dtype=np.int64)
@@ -109,13 +107,13 @@ def welded(mesh: Mesh, distance: float) -> Mesh:
     return with_nodes_numbered(mesh, mesh.points[kept], rank[group])
 
 
-def _lips(mesh: Mesh) -> Ints:
-    """1 and -1 for nodes (n,) of one and of the other lip of cuts alone."""
-    lip = np.zeros(mesh.n_nodes, dtype=np.int64)
-    for name, side in zip(LIPS, (1, -1), strict=True):
-        if name in mesh.face_sets:
-            lip[np.unique(mesh.faces(name).nodes)] += side
-    return lip
+def groups(n: int, i: Ints, j: Ints) -> Ints:
+    """Numbers (n,) from 0 of what pairs (m,) of n things join."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    _, group = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(n, n)), directed=False)
+    return np.asarray(group, dtype=np.int64)
 
 
 def without_orphans(mesh: Mesh) -> Mesh:

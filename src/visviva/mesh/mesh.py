@@ -18,6 +18,7 @@ from visviva.mesh import convert, cut, faces, quality
 from visviva.mesh.cells import Array, Ints, cell_type
 from visviva.mesh.faces import Faces
 from visviva.mesh.geometry import centres, volumes
+from visviva.mesh.seam import welded_across
 from visviva.mesh.write_mesh import write
 
 Predicate = Callable[[Array], NDArray[np.bool_]]
@@ -284,12 +285,17 @@ class Mesh(metaclass=Named):
         ----------
         other : Mesh
         weld : float, optional
-            Distance below which nodes become one, but those of the two lips of a cut (`opened`); without it the meshes
-            stay apart.
+            Distance below which nodes of one mesh become those of the other; without it the meshes stay apart. Beside
+            a cut (`opened`), where one has several nodes at a place, faces that lie on each other tell which: cuts
+            go on in cuts, and end where they meet what is whole.
+
+        Raises
+        ------
+        InputError
+            If no faces tell which of several nodes at a place become one.
         """
         refuse_other("Mesh", "other", other, Mesh, "a mesh")
-        both = convert.joined([self, other])
-        return both if weld is None else convert.welded(both, weld)
+        return convert.joined([self, other]) if weld is None else welded_across(self, other, weld)
 
     def quadratic(self, cell: str) -> Mesh:
         """The mesh with cells of second order, new nodes in the middle of edges, faces and cells.
