@@ -131,3 +131,26 @@ def test_functions_may_keep_what_they_give() -> None:
     found = OfPart("stove", "power", lambda t, X: kept(t, X)[:, 0])(0.0, X)
     kept(1.0, X)
     assert found == pytest.approx(X[:, 0])
+
+
+def test_what_is_given_at_nodes_is_asked_of_all_of_them_at_once() -> None:
+    """Profiles over the width of their own side were refused, as if they were asked of a part of it."""
+
+    def profile(t: float, X: Array) -> Array:
+        return 0.5 + 0.1 * X[:, 0] / X[:, 0].max()
+
+    warm = vv.ThermalBody(mesh=mixed(), conductivity=1.0, capacity=1.0, density=1.0, temperature=0.5)
+    held = vv.PrescribedTemperature(body=warm, nodes="y0", value=profile)
+    alloy = vv.CahnHilliard(
+        mesh=mixed(),
+        free_energy=vv.PolynomialEnergy(coefficients=(0, 0, 1.0)),
+        gradient_energy=0.1,
+        concentration=0.5,
+    )
+    soaked = vv.PrescribedConcentration(body=alloy, nodes="y0", value=profile)
+    for body, given in ((warm, held), (alloy, soaked)):
+        system = vv.System([body, given])
+        vv.simulate(system, until=0.2, step=0.1)
+        below = body.nodes("y0")
+        found = body.temperatures(system.x) if body is warm else alloy.values(system.x)
+        assert found[below] == pytest.approx(0.5 + 0.05 * body.points[below, 0])

@@ -49,17 +49,26 @@ def refuse_gathered(
             )
 
 
-class OfPart:
-    """A user's function ``f(t, X)`` of places (n, 3), that is asked of a part of them at once.
+class OfAll:
+    """A user's function ``f(t, X)`` of places (n, 3), that is asked of all of them at once."""
+
+    def __init__(self, whose: str, what: str, function: Callable[[float, Array], Any]) -> None:
+        self.whose, self.what, self.function = whose, what, function
+
+    def __call__(self, time: float, X: Array) -> Array:
+        return np.array(self.function(time, X.copy()), dtype=float)  # it may move X, and keep what it gives
+
+
+class OfPart(OfAll):
+    """One that is asked of a part of them at once: of a type of cells, or of those of a process.
 
     It is looked at once whether that matters, at the first time when it is not the same everywhere.
     """
 
-    def __init__(self, whose: str, what: str, function: Callable[[float, Array], Any]) -> None:
-        self.whose, self.what, self.function, self._is_local = whose, what, function, False
+    _is_local = False
 
     def __call__(self, time: float, X: Array) -> Array:
-        found = np.array(self.function(time, X.copy()), dtype=float)  # it may move X, and keep what it gives
+        found = super().__call__(time, X)
         if not self._is_local and found.shape[:1] == X.shape[:1] and np.isfinite(found).all():
             change = np.abs(found - found.mean(axis=0)).reshape(len(X), -1)
             if change.any():

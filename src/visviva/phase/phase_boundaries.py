@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from visviva.base.errors import InputError, RunError
+from visviva.base.places import OfAll
 from visviva.body.space import Table
 from visviva.component.announcements import Given
 from visviva.component.component import Component, settings
@@ -205,7 +206,7 @@ class PrescribedConcentration(Component):
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
         self._number = numbering(self.body.grid, self.body.periodic, self.label)[0][self._chosen]
-        self._values = Values(self.label, "value", self.value)
+        self._values = Values(self.label, "value", self.value, OfAll)
         self._values.checked(self.body.points[self._chosen])
         try:
             self._held = self.body.space.held(self._chosen)

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva.base.differences import forward_rate
 from visviva.base.errors import InputError, RunError
-from visviva.base.places import OfPart
+from visviva.base.places import OfAll, OfPart
 from visviva.base.timefunction import TimeFunction
 from visviva.body.mesh_points import Points
 from visviva.component.announcements import Facing
@@ -44,13 +44,16 @@ def refuse_below_zero(
 
 
 class Values:
-    """A number that may depend on time, or on time and place, as the user gave it."""
+    """A number that may depend on time, or on time and place, as the user gave it.
 
-    def __init__(self, label: str, what: str, given: Any) -> None:
+    Functions of places are asked of a part of them at once, unless `kind` says otherwise.
+    """
+
+    def __init__(self, label: str, what: str, given: Any, kind: type[OfAll] = OfPart) -> None:
         self.label, self.what = label, what
         self.by_place = not isinstance(given, TimeFunction)
         self.given = given
-        self._function = OfPart(label, what, given)
+        self._function = kind(label, what, given)
 
     def at(self, time: float, X: Array) -> Array:
         """Values (...) at a time and places (..., 3).
@@ -137,7 +140,7 @@ class PrescribedTemperature(Component):
             self.chosen = self.body.nodes(self.nodes)
         except InputError as error:
             raise InputError(f"{self.label}: {error}") from None
-        self._values = Values(self.label, "value", self.value)
+        self._values = Values(self.label, "value", self.value, OfAll)
         self._values.checked(self._places, absolute_zero(self.body))
 
     def remarks(self) -> list[str]:
