@@ -73,8 +73,8 @@ MatrixXd dense(const BlockRows<double>& a, int n_cols) {
     return m;
 }
 
-NodeMatrix node_matrix(const Problem& problem) {
-    NodeMatrix matrix;
+NodeMatrix node_matrix(const Problem& problem, int borrow_from = NodeMatrix::never, bool single = false) {
+    NodeMatrix matrix(single, false, borrow_from);
     matrix.analyze(problem.csr, problem.blocks);
     REQUIRE(matrix.fill(problem.values.data()));
     return matrix;
@@ -252,6 +252,38 @@ TEST_CASE("blocks: nodes that differ in size are filled up with equations of not
     CHECK(dense(matrix.blocks(), 4) == whole);
 }
 
+TEST_CASE("blocks: values that are borrowed make the same rows and products") {
+    Numbers numbers(62);
+    const MatrixXd a = grid(numbers, 5, 3, 3, 0.2);
+    Problem by_size(a.topLeftCorner(44, 44));  // the last node has two unknowns
+    for (int i = 0; i < 44; i += 3) by_size.blocks.node.push_back(i);
+    by_size.blocks.node.push_back(44);
+    Problem by_place(a);  // every third equation stands elsewhere
+    for (int i = 0; i < 45; ++i) by_place.blocks.place.push_back((i % 15) * 3 + i / 15);
+    for (const Problem& problem : {by_nodes(a, 3), by_size, by_place}) {
+        for (bool single : {false, true}) {
+            const NodeMatrix own = node_matrix(problem, NodeMatrix::never, single),
+                             borrowed = node_matrix(problem, problem.csr.n, single);
+            REQUIRE((borrowed.borrows() && borrowed.blocks().value.empty() && !own.borrows()));
+            std::vector<double> room;
+            for (int b = 0; b < own.blocks().n(); ++b) {
+                const double *row = own.blocks().block(own.blocks().row[b]),
+                             *made = borrowed.reader().row(b, room);
+                CHECK(std::equal(row, row + borrowed.reader().size_of_row(b), made));
+            }
+            const VectorXd x = numbers.vector(static_cast<int>(own.size()));
+            VectorXd y(own.size()), z(own.size());
+            own.multiply_double(x.data(), y.data()), borrowed.multiply_double(x.data(), z.data());
+            CHECK(difference(z, y) < 1e-14);
+            own.multiply(x.data(), y.data()), borrowed.multiply(x.data(), z.data());
+            CHECK(difference(z, y) < 1e-14);
+        }
+    }
+    Problem mixed = by_nodes(a, 3);
+    mixed.blocks.algebraic.assign(45, 0), mixed.blocks.algebraic[7] = 1;
+    CHECK_FALSE(node_matrix(mixed, 0).borrows());
+}
+
 TEST_CASE("blocks: nodes of several fields at one place are one, wherever their equations are") {
     Numbers numbers(61);
     const int n = 4;  // places, each of three unknowns and of one more, n rows behind
@@ -294,6 +326,10 @@ TEST_CASE("aggregation: smoothed prolongation and the coarser matrix are the pro
     for (int i = 0; i < n * dofs; i += dofs) D.block(i, i, dofs, dofs) = a.block(i, i, dofs, dofs).inverse();
     CHECK(difference(P, T - 0.6 * D * a * T) < 1e-6);  // D is in single precision
     CHECK(difference(dense(coarse_matrix(matrix.blocks(), p), tentative.n), P.transpose() * a * P) < 1e-13);
+    const Problem problem = by_nodes(a, dofs);
+    const NodeMatrix borrowed = node_matrix(problem, 0);
+    CHECK(coarse_matrix(borrowed.reader(), p).value == coarse_matrix(matrix.blocks(), p).value);
+    CHECK(smoothed(borrowed.reader(), inverse, 0.6, tentative).block == p.block);
 }
 
 TEST_CASE("multigrid: converges to the dense solution, in iterations that hardly grow with the mesh") {

@@ -1,6 +1,7 @@
 // Sparse matrices of small dense blocks.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace visviva {
@@ -37,6 +38,22 @@ struct BlockRows {
     const T* block(std::int64_t k) const { return value.data() + k * rows * cols; }
     void allocate() { assign_with_room(value, n_values() + padding, T(0)); }
     BlockView<T> view() const { return {rows, cols, row.data(), col.data(), value.data()}; }
+};
+
+// A matrix of blocks whose rows are asked for one by one: it need not have its values, if it can make them.
+struct BlockReader {
+    // The blocks of a row, in `room` if they are made for this call.
+    using Row = std::function<const double*(int i, std::vector<double>& room)>;
+
+    BlockReader(const BlockRows<double>& a)
+        : pattern(a), row([&a](int i, std::vector<double>&) { return a.block(a.row[i]); }) {}
+    BlockReader(const BlockRows<double>& a, Row of) : pattern(a), row(std::move(of)) {}
+
+    int size_of_block() const { return pattern.rows * pattern.cols; }
+    std::int64_t size_of_row(int i) const { return (pattern.row[i + 1] - pattern.row[i]) * size_of_block(); }
+
+    const BlockRows<double>& pattern;
+    Row row;
 };
 
 }  // namespace visviva

@@ -21,7 +21,12 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
         partition({}, {});
         make_pattern();
     }
-    a_.allocate();
+    const auto is_algebraic = [](char of) { return of != 0; };
+    borrows_ = pattern.n >= borrow_from_ &&
+               std::none_of(blocks.algebraic.begin(), blocks.algebraic.end(), is_algebraic);
+    if (!borrows_) a_.allocate();
+    shared_.assign(a_.n(), 0);
+    for (int b = 0; b < a_.n(); ++b) shared_[b] = share_columns(b);
     if (is_single_) {
         single_.rows = a_.rows, single_.cols = a_.cols, single_.row = a_.row, single_.col = a_.col;
         single_.allocate(), x_.resize(size()), y_.resize(size());
@@ -98,6 +103,13 @@ static double largest_of(int n, F f) {
     return part.empty() ? 0 : *std::max_element(part.begin(), part.end());
 }
 
+// Room for a row of blocks.
+static double* row_of(const BlockRows<double>& a, int b, std::vector<double>& room) {
+    const auto size = static_cast<std::size_t>(a.row[b + 1] - a.row[b]) * a.rows * a.cols;
+    if (room.size() < size) room.resize(size);
+    return room.data();
+}
+
 bool NodeMatrix::fill(const double* values) {
     std::vector<char> finite(a_.n());
     const double largest = largest_of(is_single_ ? csr_->n : 0, [&](int begin, int end) {
@@ -107,40 +119,75 @@ bool NodeMatrix::fill(const double* values) {
         return some;
     });
     scale_ = largest > 0 ? 1 / largest : 1;
+    values_ = values;
     in_pieces(a_.n(), piece, [&](int begin, int end) {
-        for (int b = begin; b < end; ++b) finite[b] = fill(b, values);
+        std::vector<double> room;
+        for (int b = begin; b < end; ++b) {
+            double* to = borrows_ ? row_of(a_, b, room) : a_.block(a_.row[b]);
+            finite[b] = is_finite(b, values);
+            if (!borrows_ || is_single_) fill(b, values, to);
+            if (is_single_) copy_single(b, to);
+        }
     });
     for (int b = 0; levels_ && b < a_.n(); ++b)  // by the stiffness in other rows
         if (algebraic_[b]) level(b);
     return std::find(finite.begin(), finite.end(), 0) == finite.end();
 }
 
-// Columns of both patterns ascend, field by field where several stand at one place: a walk along both for
-// each finds every entry's place.
-bool NodeMatrix::fill(int b, const double* values) {
-    const int m = a_.rows, used = first_[b + 1] - first_[b];
-    std::fill(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), 0.0);
-    double sum = 0;
-    for (int row = first_[b]; row < first_[b + 1]; ++row) {
-        const int i = order_[row];
-        std::int64_t at = a_.row[b];
-        for (auto k = csr_->row[i]; k < csr_->row[i + 1]; ++k) {
-            const int slot = slot_[csr_->col[k]], c = block_[csr_->col[k]];
-            if (a_.col[at] > c) at = a_.row[b];
-            while (a_.col[at] < c) ++at;
-            a_.block(at)[(slot - c * m) * m + row - first_[b]] = values[k];
-            sum += std::abs(values[k]);
-        }
+// Whether the rows of a block row follow each other with the same columns, as those of a node do.
+bool NodeMatrix::share_columns(int b) const {
+    const int first = order_[first_[b]], n = first_[b + 1] - first_[b];
+    const auto row = csr_->col.begin() + csr_->row[first], next = csr_->col.begin() + csr_->row[first + 1];
+    for (int r = 1; r < n; ++r) {
+        const int i = order_[first_[b] + r];
+        const auto begin = csr_->col.begin() + csr_->row[i], end = csr_->col.begin() + csr_->row[i + 1];
+        if (i != first + r || !std::equal(row, next, begin, end)) return false;
     }
-    const auto diagonal = std::lower_bound(a_.col.begin() + a_.row[b], a_.col.begin() + a_.row[b + 1], b);
-    for (int r = used; r < m; ++r) a_.block(diagonal - a_.col.begin())[r * m + r] = 1;
-    if (is_single_) copy_single(b);
-    return std::isfinite(sum);
+    return true;
 }
 
-void NodeMatrix::copy_single(int b) {
-    std::transform(a_.block(a_.row[b]), a_.block(a_.row[b + 1]), single_.block(a_.row[b]),
+// Columns of both patterns ascend, field by field where several stand at one place: a walk along both for
+// each finds every entry's place. Rows that share their columns walk together.
+void NodeMatrix::fill(int b, const double* values, double* to) const {
+    const int m = a_.rows, used = first_[b + 1] - first_[b], together = shared_[b] ? used : 1;
+    const std::int64_t first = a_.row[b];
+    std::fill_n(to, (a_.row[b + 1] - first) * m * m, 0.0);
+    for (int row = first_[b]; row < first_[b + 1]; row += together) {
+        const std::int64_t begin = csr_->row[order_[row]], n = csr_->row[order_[row] + 1] - begin;
+        std::int64_t at = first;
+        for (std::int64_t k = 0; k < n; ++k) {
+            const int column = csr_->col[begin + k], slot = slot_[column], c = block_[column];
+            if (a_.col[at] > c) at = first;
+            while (a_.col[at] < c) ++at;
+            double* entry = to + ((at - first) * m + slot - c * m) * m + row - first_[b];
+            for (int r = 0; r < together; ++r) entry[r] = values[begin + r * n + k];
+        }
+    }
+    const auto begin = a_.col.begin() + first,
+               diagonal = std::lower_bound(begin, a_.col.begin() + a_.row[b + 1], b);
+    for (int r = used; r < m; ++r) to[((diagonal - begin) * m + r) * m + r] = 1;
+}
+
+bool NodeMatrix::is_finite(int b, const double* values) const {
+    bool finite = true;
+    for (int row = first_[b]; row < first_[b + 1]; ++row)
+        for (auto k = csr_->row[order_[row]]; k < csr_->row[order_[row] + 1]; ++k)
+            finite = finite && std::isfinite(values[k]);
+    return finite;
+}
+
+void NodeMatrix::copy_single(int b, const double* from) {
+    std::transform(from, from + (a_.row[b + 1] - a_.row[b]) * a_.rows * a_.rows, single_.block(a_.row[b]),
                    [this](double a) { return static_cast<float>(scale_ * a); });
+}
+
+BlockReader NodeMatrix::reader() const {
+    if (!borrows_) return a_;
+    return {a_, [this](int b, std::vector<double>& room) -> const double* {
+                double* to = row_of(a_, b, room);
+                fill(b, values_, to);
+                return to;
+            }};
 }
 
 // Constraints of a node of their own, which fill its first row.
@@ -160,7 +207,7 @@ void NodeMatrix::level(int b) {
     level_[b] = squares > 0 && stiffness > 0 ? stiffness / (squares * std::sqrt(squares)) : 1;
     for (auto k = a_.row[b]; k < a_.row[b + 1]; ++k)
         for (int c = 0; c < m; ++c) a_.block(k)[c * m] *= level_[b];
-    if (is_single_) copy_single(b);
+    if (is_single_) copy_single(b, a_.block(a_.row[b]));
 }
 
 void multiply(const BlockRows<double>& a, const double* x, double* y) {
@@ -172,7 +219,50 @@ void NodeMatrix::multiply(const double* x, double* y) const {
     if (is_single_)
         multiply_single(x, y);
     else
+        multiply_double(x, y);
+}
+
+void NodeMatrix::multiply_double(const double* x, double* y) const {
+    if (borrows_)
+        multiply_borrowed(x, y);
+    else
         visviva::multiply(a_, x, y);
+}
+
+// R rows that follow each other and have the same columns, which come from memory once.
+template <int R>
+static void multiply_rows(const Csr& a, const double* values, int i, const double* x, double* sum) {
+    const auto begin = a.row[i], n = a.row[i + 1] - begin;
+    constexpr int chains = 4;  // of additions that need not wait for each other
+    double s[chains][R] = {};
+    std::int64_t k = 0;
+    for (; k + chains <= n; k += chains)
+        for (int c = 0; c < chains; ++c) {
+            const double at = x[a.col[begin + k + c]];
+            for (int r = 0; r < R; ++r) s[c][r] += values[begin + r * n + k + c] * at;
+        }
+    for (; k < n; ++k)
+        for (int r = 0; r < R; ++r) s[0][r] += values[begin + r * n + k] * x[a.col[begin + k]];
+    for (int r = 0; r < R; ++r) sum[r] = (s[0][r] + s[1][r]) + (s[2][r] + s[3][r]);
+}
+
+void NodeMatrix::multiply_borrowed(const double* x, double* y) const {
+    const int m = a_.rows;
+    by_equation_.resize(csr_->n);
+    for (int i = 0; i < csr_->n; ++i) by_equation_[i] = x[slot_[i]];
+    in_pieces(a_.n(), piece, [&](int begin, int end) {
+        for (int b = begin; b < end; ++b) {
+            const int used = first_[b + 1] - first_[b];
+            double* to = y + static_cast<std::ptrdiff_t>(b) * m;
+            const double* from = by_equation_.data();
+            if (used == 3 && shared_[b])
+                multiply_rows<3>(*csr_, values_, order_[first_[b]], from, to);
+            else
+                for (int r = 0; r < used; ++r)
+                    multiply_rows<1>(*csr_, values_, order_[first_[b] + r], from, to + r);
+            std::copy(x + (to - y) + used, x + (to - y) + m, to + used);  // equations of nothing
+        }
+    });
 }
 
 void NodeMatrix::multiply_single(const double* x, double* y) const {

@@ -111,7 +111,7 @@ class Instant:
         refuse_infinite(system, unknown, A @ np.ones(A.shape[1]))
         self.M = A[self._q][:, self._q].tocsr() if len(self._q) < A.shape[0] else A
         self.G = A[self._m][:, self._q].tocsr()
-        self.columns = A[self._q][:, self._m].tocsr()
+        self.columns = A[:, self._m][self._q].tocsr()
         scale = system.scale[self.coordinates]
         self.scale = np.where(scale > 0, scale, 1.0)
         self.reach = abs(self.G) @ np.maximum(self.scale, np.abs(system.x[self.coordinates]))

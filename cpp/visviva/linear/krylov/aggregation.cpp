@@ -80,8 +80,9 @@ BlockRows<float> Prolongation::down() const {
     return b;
 }
 
-Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
+Prolongation smoothed(const BlockReader& matrix, const BlockRows<float>& inverse, double factor,
                       const Aggregates& tentative) {
+    const BlockRows<double>& a = matrix.pattern;
     const int m = a.rows, size = m * tentative.cols, piece = piece_of(a.n());
     const auto add = sparse_kernels().add_product;
     const Prolongation empty{tentative.n, m, tentative.cols, {0}, {}, {}};
@@ -89,12 +90,13 @@ Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& invers
     in_pieces(a.n(), piece, [&](int begin, int end) {
         Prolongation& p = parts[begin / piece];
         Row sum(tentative.n, size);
-        std::vector<double> d(static_cast<std::size_t>(m) * m);
+        std::vector<double> d(static_cast<std::size_t>(m) * m), room;
         for (int i = begin; i < end; ++i) {
-            for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
+            const double* block = matrix.row(i, room);
+            for (auto k = a.row[i]; k < a.row[i + 1]; ++k, block += m * m)
                 if (const int j = tentative.of[a.col[k]]; j >= 0)
-                    add(a.block(k), &tentative.block[static_cast<std::size_t>(a.col[k]) * size], sum.place(j),
-                        m, m, tentative.cols);
+                    add(block, &tentative.block[static_cast<std::size_t>(a.col[k]) * size], sum.place(j), m,
+                        m, tentative.cols);
             std::transform(inverse.block(i), inverse.block(i) + m * m, d.begin(),
                            [factor](float value) { return -factor * static_cast<double>(value); });
             p.col.insert(p.col.end(), sum.col.begin(), sum.col.end());
@@ -115,7 +117,8 @@ Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& invers
 }
 
 // A coarse row I is (A^T P_I)^T P with the column I of P.
-BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p) {
+BlockRows<double> coarse_matrix(const BlockReader& matrix, const Prolongation& p) {
+    const BlockRows<double>& a = matrix.pattern;
     const int m = p.rows, n = p.cols, piece = piece_of(p.n_coarse);
     const auto add = sparse_kernels().add_product;
     std::vector<std::vector<std::pair<int, std::int64_t>>> column(p.n_coarse);  // rows and places in P
@@ -127,16 +130,17 @@ BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& 
     in_pieces(p.n_coarse, piece, [&](int begin, int end) {
         BlockRows<double>& part = parts[begin / piece];
         Row fine(a.n(), m * n), coarse(p.n_coarse, n * n);
-        std::vector<double> turned(static_cast<std::size_t>(m) * m);
+        std::vector<double> turned(static_cast<std::size_t>(m) * m), room;
         std::vector<int> order;
         for (int big = begin; big < end; ++big) {
-            for (const auto& [i, q] : column[big])
-                for (auto k = a.row[i]; k < a.row[i + 1]; ++k) {
-                    const double* block = a.block(k);
+            for (const auto& [i, q] : column[big]) {
+                const double* block = matrix.row(i, room);
+                for (auto k = a.row[i]; k < a.row[i + 1]; ++k, block += m * m) {
                     for (int r = 0; r < m; ++r)
                         for (int j = 0; j < m; ++j) turned[j * m + r] = block[r * m + j];
                     add(turned.data(), p.at(q), fine.place(a.col[k]), m, m, n);
                 }
+            }
             for (std::size_t k = 0; k < fine.col.size(); ++k)
                 for (auto q = p.row[fine.col[k]]; q < p.row[fine.col[k] + 1]; ++q)
                     add(&fine.block[k * m * n], p.at(q), coarse.place(p.col[q]), n, m, n);

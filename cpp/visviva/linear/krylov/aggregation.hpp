@@ -23,10 +23,10 @@ struct Prolongation {
 };
 
 // P = (1 - weight D^-1 A) T with inverted diagonal blocks D^-1 of `factor` A and tentative T.
-Prolongation smoothed(const BlockRows<double>& a, const BlockRows<float>& inverse, double factor,
+Prolongation smoothed(const BlockReader& a, const BlockRows<float>& inverse, double factor,
                       const Aggregates& tentative);
 
 // P^T A P
-BlockRows<double> coarse_matrix(const BlockRows<double>& a, const Prolongation& p);
+BlockRows<double> coarse_matrix(const BlockReader& a, const Prolongation& p);
 
 }  // namespace visviva

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double single_suffices = 3e-5;  // tolerances that leave room for products in single precision
 
+constexpr int many = 300'000;  // equations whose memory counts for more than a tenth of the time
+
 class Krylov : public LinearSolver {
   public:
     explicit Krylov(const LinearChoice& choice)
@@ -19,7 +21,8 @@ class Krylov : public LinearSolver {
           preconditioning_(make_preconditioning(choice)),
           matrix_(choice.tolerance >= single_suffices,
                   choice.preconditioner == Preconditioner::saddle ||
-                      choice.preconditioner == Preconditioner::augmented) {
+                      choice.preconditioner == Preconditioner::augmented,
+                  choice.preconditioner == Preconditioner::multigrid ? many : NodeMatrix::never) {
         describe();
     }
 
@@ -121,7 +124,7 @@ class Krylov : public LinearSolver {
     // In double precision, whatever that of products is: a pressure that is nearly free to shift leaves more
     // of itself in single precision than the tolerance.
     double residual() {
-        multiply(matrix_.blocks(), x_.data(), r_.data());
+        matrix_.multiply_double(x_.data(), r_.data());
         for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = b_[i] - r_[i];
         return norm(r_);
     }

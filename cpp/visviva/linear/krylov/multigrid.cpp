@@ -41,6 +41,16 @@ BlockRows<double> decoupled(const BlockRows<double>& a, const std::vector<char>&
     return b;
 }
 
+double largest_of(const BlockReader& a) {
+    double largest = 0;
+    std::vector<double> room;
+    for (int i = 0; i < a.pattern.n(); ++i) {
+        const double* row = a.row(i, room);
+        for (std::int64_t k = 0; k < a.size_of_row(i); ++k) largest = std::max(largest, std::abs(row[k]));
+    }
+    return largest;
+}
+
 struct Level {
     Smoother smoother;
     BlockRows<float> prolongation, restriction;
@@ -51,22 +61,18 @@ class Aggregated : public Grids {
   public:
     explicit Aggregated(const Aggregator& aggregator) : aggregator_(aggregator) {}
 
-    bool build(const BlockRows<double>& finest, const double* modes, int n_modes) override {
+    bool build(const BlockReader& finest, const double* modes, int n_modes) override {
         outdated_ = false, usual_ = -1;
         levels_.clear();
         if (!aggregator_) return message = "multigrid needs PyAMG: pip install pyamg", false;
-        if (!has_aggregates_) aggregates_ = aggregator_(finest, modes, n_modes);
+        if (!has_aggregates_) aggregates_ = aggregator_(finest.pattern, modes, n_modes);
         has_aggregates_ = true;
-        scale_ = 0;
-        for (double v : finest.value) scale_ = std::max(scale_, std::abs(v));
-        scale_ = scale_ > 0 ? 1 / scale_ : 1;
+        const double largest = largest_of(finest);
+        scale_ = largest > 0 ? 1 / largest : 1;
         BlockRows<double> coarse;
-        const BlockRows<double>* a = &finest;
-        for (const Aggregates& tentative : aggregates_) {
-            coarse = add_level(*a, tentative);
-            a = &coarse;
-        }
-        return factor_coarsest(*a);
+        for (const Aggregates& tentative : aggregates_)
+            coarse = levels_.empty() ? add_level(finest, tentative) : add_level(coarse, tentative);
+        return levels_.empty() ? factor_coarsest(finest) : factor_coarsest(coarse);
     }
 
     void apply(const double* r, double* z) override {
@@ -97,13 +103,13 @@ class Aggregated : public Grids {
 
   private:
     // Returns the matrix of the next level.
-    BlockRows<double> add_level(const BlockRows<double>& a, const Aggregates& tentative) {
+    BlockRows<double> add_level(const BlockReader& a, const Aggregates& tentative) {
         Smoother smoother(a, scale_);
         smoother.damp_upper();
         const Prolongation p =
             smoothed(a, smoother.inverse(), scale_ * prolongation_weight / smoother.upper(), tentative);
-        levels_.push_back(
-            {std::move(smoother), p.up(), p.down(), Vector(a.size()), Vector(a.size()), Vector(a.size())});
+        const Vector room(smoother.size());
+        levels_.push_back({std::move(smoother), p.up(), p.down(), room, room, room});
         return coarse_matrix(a, p);
     }
 
@@ -119,15 +125,19 @@ class Aggregated : public Grids {
         l.smoother.smooth(l.b, l.x, false);
     }
 
-    bool factor_coarsest(const BlockRows<double>& a) {
+    bool factor_coarsest(const BlockReader& matrix) {
+        const BlockRows<double>& a = matrix.pattern;
+        std::vector<double> room;
         if (a.size() > largest_coarsest) return message = "multigrid finds no coarser grid", false;
         const auto n = static_cast<Eigen::Index>(a.size());
         dense_.setZero(n, n);
-        for (int i = 0; i < a.n(); ++i)
+        for (int i = 0; i < a.n(); ++i) {
+            const double* value = matrix.row(i, room);
             for (auto k = a.row[i]; k < a.row[i + 1]; ++k)
                 for (int c = 0; c < a.cols; ++c)
                     for (int r = 0; r < a.rows; ++r)
-                        dense_(i * a.rows + r, a.col[k] * a.cols + c) = scale_ * a.block(k)[c * a.rows + r];
+                        dense_(i * a.rows + r, a.col[k] * a.cols + c) = scale_ * *value++;
+        }
         // Aggregates with fewer freedoms than there are modes leave empty rows.
         for (Eigen::Index i = 0; i < n; ++i)
             if (std::abs(dense_(i, i)) < 1e-30) dense_(i, i) = 1;
@@ -175,7 +185,7 @@ class Multigrid : public Preconditioning {
         const auto& alone = matrix.algebraic();
         const bool mixed = std::find(alone.begin(), alone.end(), 1) != alone.end();
         const bool built =
-            mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.blocks(), matrix);
+            mixed ? build(decoupled(matrix.blocks(), alone), matrix) : build(matrix.reader(), matrix);
         if (!built) message = grids_->message;
         return built;
     }
@@ -187,7 +197,7 @@ class Multigrid : public Preconditioning {
     double memory() const override { return grids_->memory(); }
 
   private:
-    bool build(const BlockRows<double>& a, const NodeMatrix& matrix) {
+    bool build(const BlockReader& a, const NodeMatrix& matrix) {
         return grids_->build(a, matrix.modes().data(), matrix.n_modes());
     }
 

@@ -11,7 +11,7 @@ class Grids {
   public:
     virtual ~Grids() = default;
     // Takes the matrix; of its pattern and modes, in a life of the grids, the first is asked alone.
-    virtual bool build(const BlockRows<double>& finest, const double* modes, int n_modes) = 0;
+    virtual bool build(const BlockReader& finest, const double* modes, int n_modes) = 0;
     virtual void apply(const double* r, double* z) = 0;
     // How many iterations the last solution took: grids serve later matrices until they take half as many
     // again.

@@ -68,15 +68,18 @@ class Incomplete : public Preconditioning {
 }  // namespace
 
 template <class T>
-BlockRows<T> inverse_diagonal(const BlockRows<double>& a, bool diagonal_alone) {
+BlockRows<T> inverse_diagonal(const BlockReader& matrix, bool diagonal_alone) {
+    const BlockRows<double>& a = matrix.pattern;
     BlockRows<T> inverse;
+    std::vector<double> room;
     inverse.rows = inverse.cols = a.rows;
     for (int i = 0; i < a.n(); ++i) inverse.col.push_back(i), inverse.row.push_back(i + 1);
     inverse.allocate();
     for (int i = 0; i < a.n(); ++i) {
         const auto k = diagonal_of(a, i);
         const Dense block = k < a.row[i + 1] && a.col[k] == i
-                                ? Dense(Eigen::Map<const Eigen::MatrixXd>(a.block(k), a.rows, a.cols))
+                                ? Dense(Eigen::Map<const Eigen::MatrixXd>(
+                                      matrix.row(i, room) + (k - a.row[i]) * a.rows * a.cols, a.rows, a.cols))
                                 : Dense(Dense::Zero(a.rows, a.rows));
         const Dense d = inverse_of(block, diagonal_alone);
         std::transform(d.data(), d.data() + d.size(), inverse.block(i),
@@ -84,8 +87,8 @@ BlockRows<T> inverse_diagonal(const BlockRows<double>& a, bool diagonal_alone) {
     }
     return inverse;
 }
-template BlockRows<double> inverse_diagonal(const BlockRows<double>&, bool);
-template BlockRows<float> inverse_diagonal(const BlockRows<double>&, bool);
+template BlockRows<double> inverse_diagonal(const BlockReader&, bool);
+template BlockRows<float> inverse_diagonal(const BlockReader&, bool);
 
 std::unique_ptr<Preconditioning> make_preconditioning(const LinearChoice& choice) {
     switch (choice.preconditioner) {

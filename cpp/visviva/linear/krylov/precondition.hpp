@@ -32,6 +32,6 @@ std::unique_ptr<Preconditioning> make_multigrid(const LinearChoice&);
 
 // Inverses of the diagonal blocks, of the diagonal alone if so wished; what is zero there stays as it is.
 template <class T>
-BlockRows<T> inverse_diagonal(const BlockRows<double>& matrix, bool diagonal_alone);
+BlockRows<T> inverse_diagonal(const BlockReader& matrix, bool diagonal_alone);
 
 }  // namespace visviva

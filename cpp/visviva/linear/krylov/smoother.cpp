@@ -28,16 +28,23 @@ void multiply(const BlockRows<float>& a, const std::vector<float>& x, std::vecto
     multiply(a, x, y, [](std::size_t) {});
 }
 
-BlockRows<float> single(const BlockRows<double>& a, double factor) {
+BlockRows<float> single(const BlockReader& a, double factor) {
+    constexpr int piece = 512;  // block rows of a task
     BlockRows<float> b;
-    b.rows = a.rows, b.cols = a.cols, b.row = a.row, b.col = a.col;
+    b.rows = a.pattern.rows, b.cols = a.pattern.cols, b.row = a.pattern.row, b.col = a.pattern.col;
     b.allocate();
-    std::transform(a.value.begin(), a.value.end(), b.value.begin(),
-                   [factor](double v) { return static_cast<float>(factor * v); });
+    in_pieces(b.n(), piece, [&](int begin, int end) {
+        std::vector<double> room;
+        for (int i = begin; i < end; ++i) {
+            const double* row = a.row(i, room);
+            std::transform(row, row + a.size_of_row(i), b.block(b.row[i]),
+                           [factor](double v) { return static_cast<float>(factor * v); });
+        }
+    });
     return b;
 }
 
-Smoother::Smoother(const BlockRows<double>& a, double factor)
+Smoother::Smoother(const BlockReader& a, double factor)
     : a_(single(a, factor)), inverse_(inverse_diagonal<float>(a, false)) {
     for (float& v : inverse_.value) v = static_cast<float>(v / factor);
     for (Vector* v : {&residual_, &step_, &scaled_}) v->resize(a_.size());

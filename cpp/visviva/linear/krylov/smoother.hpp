@@ -25,14 +25,14 @@ void multiply(const BlockRows<float>& a, const std::vector<float>& x, std::vecto
 
 void multiply(const BlockRows<float>& a, const std::vector<float>& x, std::vector<float>& y);
 
-BlockRows<float> single(const BlockRows<double>& a, double factor);
+BlockRows<float> single(const BlockReader& a, double factor);
 
 class Smoother {
   public:
     using Vector = std::vector<float>;
 
     // Of `factor` times the matrix.
-    Smoother(const BlockRows<double>& a, double factor);
+    Smoother(const BlockReader& a, double factor);
 
     // Of errors those at the upper end of the spectrum.
     void damp_upper();
