@@ -369,7 +369,9 @@ class SectionForce(Reading):
 
     def by_node(self, system: System) -> Array:
         """Forces (n, 3) on the nodes of the section by what is in front of it."""
-        front, behind = (self.solid.nodal_forces(system.x, side) for side in (~self._behind, self._behind))
+        front, behind = (
+            self.solid.nodal_forces(system.x_with_reactions, side) for side in (~self._behind, self._behind)
+        )
         force: Array = (front - self._share * (front + behind)) * self._shared[:, None]
         return force
 

@@ -33,6 +33,7 @@ from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
 from visviva.system import agreement, steps
+from visviva.system.averaged import has_averages
 from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
@@ -428,11 +429,11 @@ class System(metaclass=Named):
     def pattern(self) -> Pattern:
         """Rows and columns of the tangent's compressed rows, and the unknown of every row.
 
-        Contact brings new neighbours together, and then it changes.
+        Contact brings new neighbours together, and then it changes. In one process columns are the core's own.
         """
         if self._pattern is None or self._pattern[0] != self.core.revision:
             row, col, unknown = whole_rows(self.core)[0]
-            arrays = np.array(row, np.int64), np.array(col, np.int32), np.array(unknown, np.int64)
+            arrays = np.array(row, np.int64), np.asarray(col, np.int32), np.array(unknown, np.int64)
             self._pattern = self.core.revision, arrays
         return self._pattern[1]
 
@@ -489,7 +490,8 @@ class System(metaclass=Named):
         Statics and schemes that balance forces at the end of a step have them in their unknowns.
         """
         in_unknowns = not self.solves_means or not self.has_inertia or self.model.driving.has_servo
-        return self.x if in_unknowns or not self.has_lasting_constraints else self.present.x
+        is_told = in_unknowns or not (self.has_lasting_constraints or has_averages(self))
+        return self.x if is_told else self.present.x
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""

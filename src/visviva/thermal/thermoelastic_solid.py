@@ -198,6 +198,14 @@ class ThermoelasticSolid(Solid, Upright, HeatCarrier):
         """Gradients at the centres of cells."""
         return forms.centre(self.grid.points, nodes, cell, axisymmetric=self.axisymmetric)
 
+    @property
+    def averages(self) -> tuple[Ints, Ints]:
+        """Pressures of mixed elements, and the changes of volume whose equations tell them at an instant."""
+        if self.formulation != "mixed":
+            return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        volumes = np.unique(np.concatenate([self._volumes(cell).ravel() for cell in self.grid.cells]))
+        return volumes + 1, volumes
+
     def _volumes(self, cell: str) -> Ints:
         """Unknowns (m, p) of the change of volume of cells."""
         return np.asarray(self._inner.start + 2 * self._pressure_numbers[cell])

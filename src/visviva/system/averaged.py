@@ -1,0 +1,44 @@
+"""Unknowns that are means over a step where the scheme is a conserving one, and what they are at an instant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visviva.system.instant import instant
+
+if TYPE_CHECKING:
+    from visviva.system.system import System
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@runtime_checkable
+class Averaging(Protocol):
+    """A component some of whose unknowns balance forces of a whole step, and are no state."""
+
+    @property
+    def averages(self) -> tuple[Ints, Ints]:
+        """These unknowns (n,), and those (n,) whose equations, linear in them, tell what they are at an instant."""
+        ...
+
+
+def has_averages(system: System) -> bool:
+    """Whether there are any."""
+    return any(isinstance(c, Averaging) and len(c.averages[0]) for c in system.components)
+
+
+def settle_averages(system: System) -> None:
+    """Bring them to the present instant, at the system's unknowns and rates."""
+    import scipy.sparse.linalg as spl
+
+    for component in system.components:
+        if not isinstance(component, Averaging) or not len(component.averages[0]):
+            continue
+        means, rows = component.averages
+        residual, K = system.tangent(instant(system.time, theta=1.0, rates=True))
+        row, column = (np.searchsorted(system.free_unknowns, u) for u in (rows, means))
+        system.x[means] -= spl.spsolve(K[row][:, column].tocsc(), residual[rows])
