@@ -29,9 +29,9 @@ class TemperatureAt(Reading):
 
     Parameters
     ----------
-    body : ThermalBody, ThermoelasticSolid or FluidHeat
+    body : ThermalBody, ThermoelasticSolid, ThermalShell, ThermalBeam or FluidHeat
     at : array (3,)
-        Reference position.
+        Reference position; of shells and beams on the surface or line of their mesh, whose temperature it is.
     """
 
     body: HeatCarrier

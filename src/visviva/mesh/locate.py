@@ -10,16 +10,22 @@ from visviva.mesh.mesh import Mesh
 
 TOLERANCE = 1e-8
 """Distance outside a cell, in its reference coordinates, up to which a point counts as inside."""
+BESIDE = 0.1
+"""Distance from a surface or line, of the size of its cell, up to which a point counts as on it: cells of curved ones
+are flatter."""
 
 
 def inverse(cell: Cell, corners: Array, x: Array) -> Array | None:
-    """Reference coordinates (dim,) of the place `x` (d,) in a cell with nodes (k, d); None if Newton fails."""
+    """Reference coordinates (dim,) of the place `x` (d,) in a cell with nodes (k, d); None if Newton fails.
+
+    Of surfaces and lines, those of the place on them that is nearest to `x`.
+    """
     xi = cell.centre.copy()
     for _ in range(30):
         gap = x - cell.N(xi[None])[0] @ corners
         J = corners.T @ cell.dN(xi[None])[0]
         try:
-            step = np.linalg.solve(J, gap)
+            step = np.linalg.solve(J, gap) if len(xi) == len(x) else np.linalg.lstsq(J, gap)[0]
         except np.linalg.LinAlgError:
             return None
         xi = xi + step
@@ -64,8 +70,12 @@ def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
         margin = 0.1 * (high - low).max(axis=1, keepdims=True)
         for row in np.flatnonzero(np.all((low - margin <= X) & (high + margin >= X), axis=1)):
             xi = inverse(cell, corners[row], X)
-            if xi is not None and outside(cell, xi) <= TOLERANCE:
-                return rows[row], cell.N(xi[None])[0]
+            if xi is None or outside(cell, xi) > TOLERANCE:
+                continue
+            N = cell.N(xi[None])[0]
+            beside = float(np.linalg.norm(N @ corners[row] - X))
+            if len(xi) == len(X) or beside <= BESIDE * float(np.ptp(corners[row], axis=0).max()):
+                return rows[row], N
     raise InputError(
         f"{label}: the point {X.tolist()} lies in none of its elements; the nearest node is number {nearest} at "
         f"{mesh.points[nearest].tolist()}"
