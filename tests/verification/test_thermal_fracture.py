@@ -185,3 +185,25 @@ def test_energy_and_entropy_of_a_bar_that_breaks(model: Any) -> None:
     assert np.diff(entropy).min() > 0
     steps = zip(result.states, result.states[1:], strict=False)
     assert all((solid.damages(b) >= solid.damages(a)).all() for a, b in steps)
+
+
+@pytest.mark.parametrize("time", [1.0, 1e4])
+def test_energy_is_kept_in_all_units_of_time(time: float) -> None:
+    """Where entropies were small numbers the correction that keeps it was left out of theirs: 2e-6."""
+    stress = time**-2
+    solid = vv.ThermalFracturingSolid(
+        mesh=vv.BoxMesh(size=(1, 1, 0.3), counts=(2, 2, 1)),
+        material=vv.SaintVenantKirchhoff(young=50 * stress, poisson=0.2),
+        density=1.0,
+        velocity=lambda X: 0.5 / time * np.c_[X[:, 2], 0 * X[:, 0], X[:, 2] / 0.3 * (1 + X[:, 0])],
+        heat=vv.Heat(
+            conductivity=0.5 * stress / time, capacity=0.2 * stress, expansion=0.005, reference=20.0
+        ),
+        temperature=lambda X: 22 + 4 * X[:, 0],
+        toughness=0.05 * stress,
+        length=0.9,
+    )
+    system = vv.System([solid], newton=vv.Newton(tolerance=1e-12))
+    result = vv.simulate(system, until=0.4 * time, step=0.02 * time)
+    assert result.conservation()["energy"] < 1e-13
+    assert result.ledger["kinetic"][-1] * time**2 == pytest.approx(0.0273513916245, rel=1e-9)

@@ -20,7 +20,7 @@ struct HeatedFractureEnergy : PlainEnergy {
     using Plain = FractureEnergy<true>;
     static constexpr int n = 11, max_par = heated_fracture::n_par, n_blocks = 3;
     static constexpr int first_entropy = 10, n_entropies = 1;
-    static constexpr double natural = Plain::natural, smooth = Plain::smooth;
+    static constexpr double smooth = Plain::smooth;  // natural_square() for the natural size
     static constexpr int block(int k) { return Plain::block(k); }
     static constexpr double weight(int k) { return Plain::weight(k); }
     const V* p;
@@ -31,10 +31,13 @@ struct HeatedFractureEnergy : PlainEnergy {
           heat(p[thermal::capacity], p[thermal::zero], p + thermal::more),
           plain(p + heated_fracture::fracture) {}
 
-    /// Entropies change as the logarithm of the temperature does, times the capacity. The difference of
-    /// energies of strain has rounding that beside a smaller change would swing iterations between two
-    /// temperatures.
-    V natural_square(int k) const { return k == 10 ? p[thermal::capacity] * p[thermal::capacity] : V{}; }
+    /// Strains and damages have no unit. Entropies change as the logarithm of the temperature does, times the
+    /// capacity. The difference of energies of strain has rounding that beside a smaller change would swing
+    /// iterations between two temperatures.
+    V natural_square(int k) const {
+        constexpr double one = Plain::natural * Plain::natural;
+        return k == 10 ? p[thermal::capacity] * p[thermal::capacity] : broadcast(one);
+    }
     /// The strains of a free strain.
     V stretched(const V* e, V* z) const {
         const V rise = heat.rise_of(e[10]);

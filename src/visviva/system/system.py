@@ -32,8 +32,7 @@ from visviva.model.form import Form, Strain, Vector, refuse_foreign
 from visviva.model.model import Model
 from visviva.scheme.clock import Clock
 from visviva.scheme.schemes import EnergyMomentum, Scheme, load_step
-from visviva.system import agreement, steps
-from visviva.system.averaged import has_averages
+from visviva.system import agreement, averaged, steps
 from visviva.system.build import build_core, check_finite
 from visviva.system.memory import before_last_step, take_over, undisturbed
 from visviva.system.newton import Newton
@@ -490,15 +489,14 @@ class System(metaclass=Named):
         Statics and schemes that balance forces at the end of a step have them in their unknowns.
         """
         in_unknowns = not self.solves_means or not self.has_inertia or self.model.driving.has_servo
-        is_told = in_unknowns or not (self.has_lasting_constraints or has_averages(self))
-        return self.x if is_told else self.present.x
+        differs = self.has_lasting_constraints or averaged.has_averages(self)
+        return self.x if in_unknowns or not differs else self.present.x
 
     def tangent(self, step: Any) -> tuple[Array, sp.csr_array]:
         """Residual by unknown and tangent over the free unknowns at the present trial state."""
         self.core.find_neighbours()
         row, col, _ = self.pattern
-        values = np.zeros(len(self.core.csr[1]))
-        residual = np.zeros(len(self.x))
+        residual, values = np.zeros(len(self.x)), np.zeros(len(self.core.csr[1]))
         self.core.assemble(step, self.signals(step), residual, values)
         _, whole = whole_rows(self.core, values)
         assert whole is not None  # as values are given
