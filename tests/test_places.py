@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial import Delaunay
 
 import visviva as vv
 from visviva.base.places import OfPart
@@ -154,3 +155,33 @@ def test_what_is_given_at_nodes_is_asked_of_all_of_them_at_once() -> None:
         below = body.nodes("y0")
         found = body.temperatures(system.x) if body is warm else alloy.values(system.x)
         assert found[below] == pytest.approx(0.5 + 0.05 * body.points[below, 0])
+
+
+def test_what_hinges_on_other_points_later_is_refused_then() -> None:
+    """It was looked at once, at the start."""
+    body = vv.ThermalBody(mesh=mixed(), conductivity=1.0, capacity=1.0, density=1.0, temperature=300.0)
+    with pytest.raises(vv.InputError, match=r"'stove': its power at .* of this point alone"):
+        heated(body, lambda t, X: X[:, 0] if t < 0.6 else X[:, 0] / X[:, 0].max())
+
+
+def test_what_is_the_same_everywhere_may_hinge_on_their_number() -> None:
+    """Two types of cells gave twice the heat, of which each point had its share."""
+    body = vv.ThermalBody(mesh=mixed(), conductivity=1.0, capacity=1.0, density=1.0, temperature=300.0)
+    with pytest.raises(vv.InputError, match=r"'stove': its power at .* of this point alone"):
+        heated(body, lambda t, X: np.full(len(X), 1.0 / len(X)))
+
+
+def test_functions_that_fail_of_two_points_are_named() -> None:
+    """Those that make triangles of them, say: that ended in what Qhull prints."""
+
+    def in_triangles(t: float, X: Array) -> Array:
+        return 1.0 + Delaunay(X[:, :2]).find_simplex(X[:, :2])
+
+    body = vv.ThermalBody(mesh=mixed(), conductivity=1.0, capacity=1.0, density=1.0, temperature=300.0)
+    with pytest.raises(vv.InputError, match=r"'stove': its power raised QhullError: .* of two points alone"):
+        heated(body, in_triangles)
+
+
+def test_functions_may_be_asked_of_no_points() -> None:
+    """A process may have none."""
+    assert OfPart("stove", "power", lambda t, X: X[:, 0])(0.0, np.zeros((0, 3))).shape == (0,)

@@ -10,9 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.arguments import as_numbers
-from visviva.base.errors import InputError
+from visviva.base.errors import InputError, RunError, named
 
 Array = NDArray[np.float64]
+ASKED = (
+    "it is asked of a part of the points at once (types of cells, processes); let it hinge on the values of each point "
+    "alone"
+)
 
 
 def of_places(whose: str, what: str, function: Callable[..., Any], X: Array, shape: tuple[int, ...]) -> Array:
@@ -37,16 +41,24 @@ def refuse_gathered(
     n, size = len(X), float(np.abs(found).max(initial=0.0))
     for k in [*change.argmax(axis=0), change.sum(axis=1).argmin(), 0, n // 2, n - 1]:
         for other in (k, (k + n // 2 + 1) % n):  # of one place alone the span is nothing, as across a plane
-            alone = np.asarray(function(X[[k, other]]), dtype=float)
+            alone = _alone(whose, what, function, X[[k, other]])
             is_right = alone.shape == (2, *found.shape[1:])
             if is_right and np.allclose(alone[0], found[k], rtol=1e-4, atol=1e-6 * size):
                 break
         else:
             raise InputError(
                 f"{whose}: its {what} at {X[k].tolist()} is {found[k].tolist()}, and of this point alone "
-                f"{alone[:1].tolist()}: it is asked of a part of the points at once (types of cells, processes); "
-                "let it hinge on the values of each point alone, not on X.max(), X.mean() or len(X)"
+                f"{alone[:1].tolist()}: {ASKED}, not on X.max(), X.mean() or len(X)"
             )
+
+
+def _alone(whose: str, what: str, function: Callable[[Array], Any], X: Array) -> Array:
+    """Values at a few points."""
+    try:
+        with named(f"{whose}: its {what}"):
+            return np.asarray(function(X), dtype=float)
+    except RunError as error:
+        raise InputError(f"{str(error).splitlines()[0]}, of two points alone: {ASKED}") from error
 
 
 class OfAll:
@@ -62,16 +74,24 @@ class OfAll:
 class OfPart(OfAll):
     """One that is asked of a part of them at once: of a type of cells, or of those of a process.
 
-    It is looked at once whether that matters, at the first time when it is not the same everywhere.
+    Whether that matters is looked at at all times at which it is not as before.
     """
 
-    _is_local = False
+    def __init__(self, whose: str, what: str, function: Callable[[float, Array], Any]) -> None:
+        super().__init__(whose, what, function)
+        self._last: dict[int, tuple[float, Array]] = {}  # by numbers of points, to see where it changes
 
     def __call__(self, time: float, X: Array) -> Array:
         found = super().__call__(time, X)
-        if not self._is_local and found.shape[:1] == X.shape[:1] and np.isfinite(found).all():
-            change = np.abs(found - found.mean(axis=0)).reshape(len(X), -1)
-            if change.any():
-                refuse_gathered(self.whose, self.what, partial(self.function, time), X, found, change)
-                self._is_local = True
+        if len(X) and found.shape[:1] == X.shape[:1] and np.isfinite(found).all():
+            self._look(time, X, found)
         return found
+
+    def _look(self, time: float, X: Array, found: Array) -> None:
+        before, values = self._last.get(len(X), (None, np.zeros_like(found)))
+        if before == time:
+            return
+        self._last[len(X)] = time, found.copy()
+        change = np.abs(found - values).reshape(len(X), -1)
+        if change.any():
+            refuse_gathered(self.whose, self.what, partial(self.function, time), X, found, change)

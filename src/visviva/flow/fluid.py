@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 
 from visviva import _core
 from visviva.base.errors import InputError, RunError
-from visviva.base.places import refuse_gathered
+from visviva.base.places import OfPart
 from visviva.body.solid_term import shared_out
 from visviva.component.announcements import SharedOut
 from visviva.component.component import settings
@@ -118,10 +118,8 @@ class Fluid(Meshed):
         self.pressure_number, self._n_pressures = pressure_numbers(self.grid, self.number)
         self._gravity = np.zeros(3)
         self.carried: dict[str, Callable[[Array], Array]] = {}
-        self._force = (
-            guarded(self.label, "body force", self.body_force) if callable(self.body_force) else None
-        )
-        self._last: dict[int, tuple[float, Array]] = {}  # by numbers of points, to see where it changes
+        given, what = self.body_force, "body force"
+        self._force = OfPart(self.label, what, guarded(self.label, what, given)) if callable(given) else None
         start = self.force_at(0.0, self.points)
         if self.dimension == 2 and np.any(start[:, 2] != 0):
             raise InputError(f"{self.label}: a plane fluid cannot be loaded out of its plane")
@@ -163,19 +161,12 @@ class Fluid(Meshed):
         weight = self.density * self._gravity
         if self._force is None:
             return np.broadcast_to(self.body_force + weight, X.shape)
-        found = np.array(self._force(time, X.copy()), dtype=float)  # which may keep what it gives
+        found = self._force(time, X)
         if found.shape != X.shape or not np.isfinite(found).all():
             raise RunError(
                 f"{self.label}: its body force has shape {found.shape} for positions {X.shape}, or is not finite at "
                 f"t = {time:g}"
             )
-        before = self._last.get(len(X))
-        if before is None or before[0] != time:
-            self._last[len(X)] = time, found
-            change = np.abs(found - before[1] if before else found)
-            if change.any():
-                force = partial(self._force, time)
-                refuse_gathered(self.label, "body force", force, X, found, change)
         return found + weight
 
     def weigh(self, model: Model, acceleration: Array) -> None:
