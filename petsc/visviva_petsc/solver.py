@@ -134,7 +134,8 @@ class Solver:
             self.message = f"no convergence in {self.iterations} iterations (reason {reason} of PETSc)"
             return False
         # No increment would be taken for a step that needs none.
-        if self.iterations == 0 and self.d.norm() == 0 < self.r.norm():
+        found, asked = (float(v.norm()) for v in (self.d, self.r))  # all processes ask
+        if self.iterations == 0 and found == 0 and asked > 0:
             self.message = f"it left all of the residual (reason {reason} of PETSc)"
             return False
         self.bring.scatter(self.d, self.near)

@@ -52,6 +52,7 @@ struct HeatContentEnergy : PlainEnergy {
         if (step.h < 0) {  // the ledger's way back: to the start of a step, with the rate of theta there
             s[0] = capacity.mean(e1[0] - p[1], e1[0] - p[1], bend), et[1] = et[2] = V{};
             if constexpr (tangent) T[0] = bend;
+            for (int k = 1; k <= 2; ++k) e1[k] = e0[k];
             return;
         }
         s[0] = capacity.mean(e0[0] - p[1], e1[0] - p[1], bend);

@@ -157,8 +157,9 @@ def refuse_hinged(W: Any, C: Array) -> None:
     with np.errstate(all="ignore"):
         together = np.real(W.raw(C)[0]).astype(float)
         alone = np.array([np.real(W.raw(c[:, None])[0]).astype(float)[0] for c in C.T])
-    apart = np.abs(together - alone)
-    if np.isfinite(apart).all() and apart.max() > 1e-6 * np.abs(together).max():
+    known = np.isfinite(together) & np.isfinite(alone)  # the energy need not be defined everywhere
+    apart = np.abs(np.subtract(together, alone, where=known, out=np.zeros(len(alone))))
+    if apart.max() > 1e-6 * np.abs(together[known]).max(initial=0.0):
         k = int(apart.argmax())
         raise RunError(
             f"UserMaterial, its energy: at C = {C[:, k].round(6).tolist()} it is {together[k]:g} among other points "
