@@ -52,7 +52,7 @@ class ToAndFro {
 };
 }  // namespace
 
-// Without a history to extrapolate, prescribed motion alone would tear at the elements it moves: the others
+// Where nothing is extrapolated, prescribed motion alone would tear at the elements it moves: the others
 // follow it here by the tangent of the state before.
 bool System::extend_prescribed_motion(const Context& c) {
     constexpr double little = 1e-6;

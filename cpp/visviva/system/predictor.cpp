@@ -113,12 +113,10 @@ void Predictor::resize(std::vector<int> coordinates, std::vector<double> weight,
 }
 
 void Predictor::predict(double h, const double* x, const double* v, bool moves, double* dx) {
-    if (!moves) {
-        for (int i : coordinates_) dx[i] = 0;
-    } else if (h == h_ && motion_.knows()) {
+    if (moves && h == h_ && motion_.knows()) {
         motion_.next(work_.data());
         scatter(coordinates_, work_.data(), dx);
-    } else {
+    } else if (moves) {
         for (int i : coordinates_) dx[i] = h * v[i];
     }
     predict_rotations(h, x, v, dx);

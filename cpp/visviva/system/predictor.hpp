@@ -41,8 +41,8 @@ class Predictor {
                 std::vector<int> multipliers, std::vector<RigidUnknowns> rigid);
     void forget() { motion_.forget(), multiplier_.forget(), turn_.forget(); }
     // The increment of a step of length h from x with the rates v. Nothing known: coordinates go on with
-    // their rates, multipliers keep their values. Where nothing `moves` coordinates stay. Nothing else in dx
-    // is changed.
+    // their rates, multipliers keep their values. Where nothing `moves` rigid bodies turn on alone. Nothing
+    // else in dx is changed.
     void predict(double h, const double* x, const double* v, bool moves, double* dx);
     void predict_multipliers(double h, double* dx);
     void record(const double* x0, const double* dx, double h);

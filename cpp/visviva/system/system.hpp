@@ -122,7 +122,7 @@ class System {
     // Unknowns of order 0 that may only grow, see Monotone; their tangents are never kept.
     void set_monotone(std::vector<int> unknowns) { monotone_.set(std::move(unknowns)); }
     /// There are cracks, whatever keeps them from healing, in bodies with inertia or in some that have none.
-    void set_cracking(bool inert) { cracks_ = true, inert_ = inert; }
+    void set_cracking(bool all_have_mass) { cracks_ = true, cracks_have_mass_ = all_have_mass; }
     // Those of them that rest at the trial state.
     std::vector<int> resting() const { return monotone_.resting(); }
     // Unknowns [n] that take no part in what is linearised from now on; none where empty.
@@ -251,10 +251,11 @@ class System {
     void restore_evaluations(const std::vector<std::any>&);
     std::vector<std::vector<double>*> looked_at();
     void prepare_predictor();
-    /// Whether motion is not extrapolated: statics, cracks under steps that do not keep their energy, or
-    /// without inertia.
+    /// Whether motion is extrapolated nowhere: in statics, and where something cracks under steps that do not
+    /// keep their energy, or without inertia.
     bool starts_still(const Step& step) const {
-        return step.is_static() || (cracks_ && !(inert_ && step.stress == Stress::discrete_gradient));
+        return step.is_static() ||
+               (cracks_ && !(cracks_have_mass_ && step.stress == Stress::discrete_gradient));
     }
     void predict(const Step&);
     bool find_neighbours(double theta, double h);
@@ -412,7 +413,7 @@ class System {
     MultiplierForces multiplier_forces_;
     int iterations_last_ = 0, n_fixed_ = 0;
     Predictor predictor_;
-    bool cracks_ = false, inert_ = false;
+    bool cracks_ = false, cracks_have_mass_ = false;
     Monotone monotone_;
     bool searches_ = false;                 // whether a term of any process does
     std::unique_ptr<Processes> processes_;  // null where this one is alone
