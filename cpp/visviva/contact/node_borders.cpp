@@ -46,10 +46,11 @@ void NodeToSegment::find_over(const double* X) {
     });
 }
 
-// Whether the surface carries part of the body of a vertex: other vertices are over that, along it.
+// Whether the surface carries part of the body of a vertex: this was over that, or others are, along it.
 bool NodeToSegment::lies_over(int A, const Vector3& normal) const {
     constexpr double steep = 0.5;  // sine of the angle between both
     const At x(start() + 3 * (A % n_own()));
+    if (!over_.empty() && over_[A % n_own()]) return true;
     for (int v = 0; v < static_cast<int>(over_.size()); ++v) {
         const Vector3 along = At(start() + 3 * v) - x;
         if (over_[v] && std::abs(normal.dot(along)) <= steep * along.norm()) return true;
