@@ -22,6 +22,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -60,6 +61,31 @@ def peak() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
 
 
+def budget(system: Any) -> dict[str, float]:
+    """Bytes of what a large solid of hexahedra in statics will take, by item, from its sizes alone.
+
+    Those of coarser grids and the number of vectors are counted from a run of a million equations.
+    """
+    import visviva as vv
+    from visviva.mesh.quadrature import stiffness_rule
+
+    mesh = next(c.grid for c in system.components if isinstance(c, vv.Solid))
+    (name, cells), n, entries = *mesh.cells.items(), system.core.n_equations, len(system.core.csr[1])
+    m, k, d = len(cells), cells.shape[1], mesh.points.shape[1]
+    points = len(stiffness_rule(name).points)
+    blocks = entries / d**2
+    return {
+        "mesh": mesh.points.nbytes + cells.nbytes,
+        "gradients and weights at points": 8.0 * m * points * (k * d + 1 + d),
+        "masses and places of elements": m * (8.0 * k * (k + 1) / 2 + 2 * k**2 + 20 * k),
+        "matrix": 12.0 * entries,
+        "neighbours of nodes": 8.0 * blocks + 80 * n / d,
+        "its finest grid, in single precision": 4.0 * (entries + 2 * blocks),
+        "coarser grids, ways between them, while they are made": 1900.0 * n / d,
+        "vectors and rigid motions": 8.0 * n * (3 * 6 + 75),
+    }
+
+
 def measure(case: str, size: int) -> Figures:
     """In this process."""
     from growth_cases import CASES
@@ -69,6 +95,10 @@ def measure(case: str, size: int) -> Figures:
     start = peak()
     motion = CASES[case].build(size)
     system, h = motion.system, motion.step
+    if case == "statics":
+        items = budget(system)
+        lines = [f"  {bytes_ / 1e9:7.3f} GB  {item}" for item, bytes_ in items.items()]
+        print(*lines, f"  {sum(items.values()) / 1e9:7.3f} GB  expected in all", sep="\n", file=sys.stderr)
     marching = vv.march(system, until=(motion.steps + 0.5) * h, step=h, scheme=motion.scheme)
     next(marching)
     cpu, wall, iterations, before = time.process_time(), time.perf_counter(), 0, system.core.phases
