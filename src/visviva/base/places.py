@@ -48,7 +48,7 @@ def refuse_gathered(
         else:
             raise InputError(
                 f"{whose}: its {what} at {X[k].tolist()} is {found[k].tolist()}, and of this point alone "
-                f"{alone[:1].tolist()}: {ASKED}, not on X.max(), X.mean() or len(X)"
+                f"{np.atleast_1d(alone)[0].tolist()}: {ASKED}, not on X.max(), X.mean() or len(X)"
             )
 
 
