@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -14,6 +15,7 @@ HALF, HEIGHT, MASS, STIFFNESS = 0.2, 0.1, 16.0, 1e7
 INERTIA = MASS * (2 * HALF) ** 2 / 6
 
 
+@cache
 def plane_collision(friction: float, stiffness: float, aside: float = 0.1, step: float = 1e-6) -> Any:
     """Velocities (vx, vy, wz) of both after the collision, and the energy that it takes.
 
@@ -87,6 +89,22 @@ def test_boxes_of_one_height_collide_in_their_plane(step: float, friction: float
             assert velocities[body] == pytest.approx([*expected[body, :2], 0], abs=5e-3)
             assert spins[body] == pytest.approx([0, 0, expected[body, 2]], abs=2e-2)
         assert energy == pytest.approx(lost if friction else 0, abs=1e-2 if friction else 1e-9)
+
+
+@pytest.mark.parametrize("shape", ["box", "mesh"])
+@pytest.mark.parametrize("part", [0.5, 1.0, 5**0.5 / 2, 1.25])
+def test_no_offset_is_one_at_which_rounding_tells_what_holds(part: float, shape: str) -> None:
+    """Of what is flush up to some ten-millionth of a box's half height: at a limit both corners and edges held, or
+    neither, and 0.5 of 8 J were lost there; the widest gaps between such offsets end at 1.25 of it."""
+    expected, _ = plane_collision(0.0, STIFFNESS)
+    limit = 2e-6 * HEIGHT / 2
+    for number, beside in enumerate((0.0, 1e-16, 1e-12, -1e-12, 1e-9, -1e-9)):
+        up, swaps = (-1) ** number * (part * limit + beside), number % 3 == 0
+        velocities, spins, energy = collide(1e-3, up, 0.0, 0.0, swaps, shape)
+        for body in (0, 1):
+            assert velocities[body] == pytest.approx([*expected[body, :2], 0], abs=5e-3)
+            assert spins[body] == pytest.approx([0, 0, expected[body, 2]], abs=2e-2)
+        assert abs(energy) < 1e-9
 
 
 @pytest.mark.parametrize("shape", ["box", "mesh"])

@@ -183,7 +183,8 @@ void ContactTerm::share_sags() {
 
 void ContactTerm::settle() {
     const Stopwatch watch(costs_.segments);
-    const bool changed = gaps_->settle(X0_.data());
+    const bool other = beside_ && gaps_->set_flush(beside_->gaps_->flush());
+    const bool changed = gaps_->settle(X0_.data()) || other;
     // over what covers others gaps go by where steps begin
     if (changed || gaps_->covers().has_any()) known_.clear(), forget_gradients();
 }

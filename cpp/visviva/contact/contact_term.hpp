@@ -99,7 +99,6 @@ class ContactTerm : public Term, public NeighbourSearch, public TermMemory {
     /// and share pressures with these.
     void stand_beside(std::shared_ptr<ContactTerm> other) {
         other->stands_beside_ = true;
-        gaps_->set_flush(other->gaps_->flush());
         beside_ = std::move(other);
     }
 

@@ -97,10 +97,9 @@ class Gaps {
     /// not only until it is the nearest: forces hold what overlaps where it is, and what would leave past an
     /// edge in the step after an impact has to feel that first.
     virtual void keep_sides() {}
-    /// So far beside the border of a face what touches it is above it, and no edge crosses that border: of
-    /// bodies that are flush one alone holds, whatever rounding does.
+    /// The limit of what is flush (flush.hpp) for a step; true if it is another one from now on.
     double flush() const { return flush_; }
-    void set_flush(double flush) { flush_ = flush; }
+    bool set_flush(double flush) { return std::exchange(flush_, flush) != flush; }
     /// How deep the bodies lie in what carries them where a step begins; true if that is something else than
     /// before.
     bool lie(Sags sags) { return std::exchange(sags_, sags) != sags; }

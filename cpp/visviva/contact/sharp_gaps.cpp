@@ -83,9 +83,10 @@ class SharpGaps : public Gaps, public Offsets {
     bool comes(const Held&) const;
     bool is_over(const double* X, const Held&) const;
     bool sees(const double* X, int gap) const { return sees(X, held_.of(gap)); }
-    void find(const double* X, std::vector<Candidate>& found) const;
+    std::vector<Pair> pairs_at(const double* X) const;
+    bool settle_flush(const double* X, const std::vector<Pair>& pairs);
     Candidate candidate(const double* X, const Pair& pair) const;
-    std::vector<Held> hold(const double* X);
+    std::vector<Held> hold(const double* X, const std::vector<Pair>& pairs);
     void take_stencils();
     Meeting meeting(const double* X, int gap) const { return pairs_.meeting(X, held_.of(gap).pair); }
 
@@ -135,27 +136,37 @@ SharpGaps::Candidate SharpGaps::candidate(const double* X, const Pair& pair) con
     return {next, gap};
 }
 
-// Those that meet, and then what is nearest to that.
-void SharpGaps::find(const double* X, std::vector<Candidate>& found) const {
+std::vector<Pair> SharpGaps::pairs_at(const double* X) const {
+    std::vector<Pair> pairs;
     for (const long p : near_) {
         if (pairs_.is_apart(X, p)) continue;
         for (const double sign : {1.0, -1.0}) {
             if (sign < 0 && !pairs_.has_signs(p)) continue;
             if (const Pair pair{p, sign};
                 pairs_.meets(X, pair, coming, coming) && !pairs_.is_flush(X, X, pair))
-                found.push_back(candidate(X, pair));
+                pairs.push_back(pair);
         }
     }
+    return pairs;
+}
+
+bool SharpGaps::settle_flush(const double* X, const std::vector<Pair>& pairs) {
+    std::vector<double> offsets;
+    for (const Pair& pair : pairs) pairs_.add_offsets(X, pair, offsets);
+    const bool changed = pairs_.settle_flush(std::move(offsets));
+    flush_ = pairs_.flush();
+    return changed;
+}
+
+// Pairs keep their gap from step to step unless another one wants it, and it follows from places alone. Those
+// that meet come first, and then what is nearest to that.
+std::vector<Held> SharpGaps::hold(const double* X, const std::vector<Pair>& pairs) {
+    std::vector<Candidate> found;
+    for (const Pair& pair : pairs) found.push_back(candidate(X, pair));
     auto sooner = [](const Candidate& a, const Candidate& b) {
         return std::pair(!a.held.meets, a.gap) < std::pair(!b.held.meets, b.gap);
     };
     std::stable_sort(found.begin(), found.end(), sooner);
-}
-
-// Pairs keep their gap from step to step unless another one wants it, and it follows from places alone.
-std::vector<Held> SharpGaps::hold(const double* X) {
-    std::vector<Candidate> found;
-    find(X, found);
     const auto meets = [&](const Candidate& c) { return c.held.meets && c.gap < close * options_.depth; };
     unheld_ = std::max(0, static_cast<int>(std::count_if(found.begin(), found.end(), meets)) - n_);
     if (static_cast<int>(found.size()) > n_) found.resize(n_);
@@ -175,7 +186,9 @@ bool SharpGaps::settle(const double* X) {
     const std::vector<double> here{X, X + skin_.constant.size()};
     const std::vector<Held> before = held_.all();
     left_.assign(n_, 0), come_.assign(n_, 0);
-    if (!held_.settle(here, [&](std::vector<Held>& held) { held = hold(X); })) return false;
+    const std::vector<Pair> pairs = pairs_at(X);
+    const bool other = settle_flush(X, pairs);
+    if (!held_.settle(here, [&](std::vector<Held>& held) { held = hold(X, pairs); })) return other;
     take_stencils();
     const auto& now = held_.all();
     const auto is_among = [](const std::vector<Held>& all, const Held& one) {

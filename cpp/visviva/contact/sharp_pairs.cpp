@@ -15,6 +15,18 @@ constexpr double out = 0.1;        // sine of an angle by which corners there le
 constexpr double looking = 0.1;    // sine by which edges of a corner may lead to a face that it looks at
 constexpr double shallow = 0.04;   // part of the depth that is seen by which corners at a border may be in it
 
+using Shares = Eigen::Vector4d;
+using Ends = std::array<int, 4>;
+
+/// Where on the edge of a side both are nearest, from 0 to 1.
+double place_on(const Shares& shares, int side) { return side == 0 ? shares[1] : -shares[3]; }
+
+/// How far that is from the nearer end of the edge; negative beyond.
+double from_end(const double* X, const Ends& v, const Shares& shares, int side) {
+    const double place = place_on(shares, side);
+    return std::min(place, 1 - place) * (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
+}
+
 }  // namespace
 
 std::vector<int> SharpPairs::vertices(int side, long part) const {
@@ -165,14 +177,12 @@ bool SharpPairs::has_sagged(const double* X, const Pair& pair) const {
     const Meeting m = meeting(X, pair);
     const auto v = stencil(pair.number);
     if (pair.number < n_crossing()) {
-        const double places[2] = {m.shares[1], -m.shares[3]};
         for (int side : {0, 1}) {
             const Vector3 e = At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side]);
-            const double from_end = std::min(places[side], 1 - places[side]) * e.norm();
-            const Vector3 out = (places[side] < 0.5 ? -1 : 1) * e.normalized();
+            const Vector3 out = (place_on(m.shares, side) < 0.5 ? -1 : 1) * e.normalized();
             const Ridge other(X, edge(pair.number, 1 - side));
             const bool lies_on = std::min(other.left.dot(out), other.right.dot(out)) < -opposite;
-            if (lies_on && sags_.reach(from_end, out)) return true;
+            if (lies_on && sags_.reach(from_end(X, v, m.shares, side), out)) return true;
         }
         return false;
     }
@@ -192,7 +202,7 @@ bool SharpPairs::is_flush_edge(const double* X0, const Pair& pair, const Meeting
     constexpr double end = 1e-3;  // of its length: bodies as wide end there
     const Ridge ridge(X0, edge(pair.number, side));
     const int* v = edge(pair.number, side);
-    const double part = std::clamp(side == 0 ? m.shares[1] : -m.shares[3], end, 1 - end);
+    const double part = std::clamp(place_on(m.shares, side), end, 1 - end);
     const Vector3 place = ridge.a + part * (At(X0 + 3 * v[1]) - ridge.a);
     return covers_.goes_on(side, place, ridge.left, ridge.right) ||
            covers_.goes_on(side, place, ridge.right, ridge.left);
@@ -276,18 +286,27 @@ bool SharpPairs::is_flush(const double* X0, const double* X, const Pair& pair) c
 
 bool SharpPairs::edges_meet(const double* X, const Pair& pair, const Meeting& m, double beyond, double sine,
                             bool stays) const {
-    const double places[2] = {m.shares[1], -m.shares[3]};
     const auto v = stencil(pair.number);
     const Ridge ridges[2] = {{X, edge(pair.number, 0)}, {X, edge(pair.number, 1)}};
     for (int side : {0, 1}) {
-        const At a(X + 3 * v[2 * side]), b(X + 3 * v[2 * side + 1]);
-        const double from_end = std::min(places[side], 1 - places[side]);
-        if (from_end < -beyond || (beyond <= 0 && from_end * (b - a).norm() < flush())) return false;
-        const bool is_near = -m.distance > 2 * from_end * (b - a).norm();
-        const At end = places[side] < 0.5 ? a : b;
+        const double place = place_on(m.shares, side), to_end = from_end(X, v, m.shares, side);
+        if (std::min(place, 1 - place) < -beyond || (beyond <= 0 && to_end < flush())) return false;
+        const bool is_near = -m.distance > 2 * to_end;
+        const At end(X + 3 * v[2 * side + (place < 0.5 ? 0 : 1)]);
         if (beyond <= 0 && !stays && is_near && ridges[1 - side].holds(end)) return false;
     }
     return ridges[0].looks(-m.normal, sine) && ridges[1].looks(m.normal, sine);
+}
+
+void SharpPairs::add_offsets(const double* X, const Pair& pair, std::vector<double>& offsets) const {
+    const Meeting m = meeting(X, pair);
+    const auto v = stencil(pair.number);
+    if (!has_signs(pair.number)) {
+        const Vector3 foot = At(X + 3 * v[3]) + m.distance * m.normal;
+        offsets.push_back(std::abs(inside(X, face(pair.number), foot, -m.normal)));
+        return;
+    }
+    for (int side : {0, 1}) offsets.push_back(from_end(X, v, m.shares, side));
 }
 
 bool SharpPairs::touch(const double* X0, const double* X, const Pair& pair) const {
@@ -295,12 +314,7 @@ bool SharpPairs::touch(const double* X0, const double* X, const Pair& pair) cons
     const double t = std::clamp(before.distance / (before.distance - after.distance), 0.0, 1.0);
     const Eigen::Vector4d shares = (1 - t) * before.shares + t * after.shares;
     const auto v = stencil(pair.number);
-    for (int side : {0, 1}) {
-        const double place = side == 0 ? shares[1] : -shares[3];
-        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
-        if (std::min(place, 1 - place) * length < flush()) return false;
-    }
-    return true;
+    return std::min(from_end(X, v, shares, 0), from_end(X, v, shares, 1)) >= flush();
 }
 
 bool SharpPairs::leaves(const double* X0, const double* X, const Pair& pair) const {
@@ -310,28 +324,22 @@ bool SharpPairs::leaves(const double* X0, const double* X, const Pair& pair) con
     if (m.distance >= 0) return false;
     if (m.distance > meeting(X0, pair).distance) return true;
     const auto v = stencil(pair.number);
-    for (int side : {0, 1}) {
-        const double place = side == 0 ? m.shares[1] : -m.shares[3];
-        const double length = (At(X + 3 * v[2 * side + 1]) - At(X + 3 * v[2 * side])).norm();
-        if (std::min(place, 1 - place) * length < overhang * m.distance) return false;
-    }
-    return true;
+    const double least = overhang * m.distance;
+    return std::min(from_end(X, v, m.shares, 0), from_end(X, v, m.shares, 1)) >= least;
 }
 
 bool SharpPairs::slides_in(const double* X, const Pair& pair) const {
     constexpr double same = 0.9;  // least agreement of normals
     const Meeting m = meeting(X, pair);
-    const double places[2] = {m.shares[1], -m.shares[3]};
     const auto v = stencil(pair.number);
-    return std::any_of(std::begin(places), std::end(places), [&](const double& place) {
-        const int side = static_cast<int>(&place - places);
-        const At a(X + 3 * v[2 * side]), b(X + 3 * v[2 * side + 1]);
-        if (std::min(place, 1 - place) * (b - a).norm() >= flush()) return false;
+    const auto slides = [&](int side) {
+        if (from_end(X, v, m.shares, side) >= flush()) return false;
+        const At end(X + 3 * v[2 * side + (place_on(m.shares, side) < 0.5 ? 0 : 1)]);
         const Ridge other(X, edge(pair.number, 1 - side));
         const Vector3 out = side == 0 ? m.normal : Vector3(-m.normal);
-        return other.holds(place < 0.5 ? a : b, flush()) &&
-               std::max(other.left.dot(out), other.right.dot(out)) > same;
-    });
+        return other.holds(end, flush()) && std::max(other.left.dot(out), other.right.dot(out)) > same;
+    };
+    return slides(0) || slides(1);
 }
 
 // What is nearer to the border of a face than half as deep, or to an end of an edge that lies inside, leaves

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "visviva/contact/flush.hpp"
 #include "visviva/contact/gaps.hpp"
 #include "visviva/contact/meeting.hpp"
 #include "visviva/contact/search.hpp"
@@ -13,7 +14,7 @@ namespace visviva {
 class SharpPairs {
   public:
     SharpPairs(SharpParts parts, double depth, const Sags& sags, const Covers& covers)
-        : parts_(std::move(parts)), depth_(depth), sags_(sags), covers_(covers) {}
+        : parts_(std::move(parts)), depth_(depth), flush_(2e-6 * depth), sags_(sags), covers_(covers) {}
 
     /// A pair, by its number among all of them, with the sign of its normal.
     struct Pair {
@@ -27,9 +28,11 @@ class SharpPairs {
     std::array<int, 4> stencil(long number) const;
     Meeting meeting(const double* X, const Pair& pair) const;
     bool has_signs(long number) const { return number < n_crossing(); }
-    /// So far corners may be beside a face, and edges that end there are none. No round number, by which
-    /// bodies are offset: rounding would tell from step to step whether corners hold, edges, neither or both.
-    double flush() const { return 2.2360679775e-6 * depth_; }
+    /// So far corners may be beside a face, and edges that end there are none.
+    double flush() const { return flush_.limit(); }
+    bool settle_flush(std::vector<double> offsets) { return flush_.settle(std::move(offsets)); }
+    /// How far a corner is from the border of its face, or edges cross from the nearest end of each.
+    void add_offsets(const double* X, const Pair& pair, std::vector<double>& offsets) const;
 
     /// Whether a pair meets: both parts look at each other, where they are nearest to each other. That may be
     /// `beyond` their ends, by this part of their lengths, and normals beside what they see, by this sine.
@@ -99,6 +102,7 @@ class SharpPairs {
 
     SharpParts parts_;
     double depth_;
+    Flush flush_;
     const Sags& sags_;
     const Covers& covers_;
 };
