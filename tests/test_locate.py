@@ -41,3 +41,35 @@ def test_places_beside_a_line_are_refused() -> None:
     np.testing.assert_allclose(N @ mesh.points[nodes], [0.3, 0.6, 0.0], atol=1e-12)
     with pytest.raises(vv.InputError, match="lies in none of its elements; the nearest node is number 2"):
         locate(mesh, np.array([0.8, 0.8, 0.0]))
+
+
+def test_the_nearest_of_several_layers_is_found() -> None:
+    """The first cell within a tenth of its size was taken: the lower of two layers, and the first leg of a hairpin."""
+    layer = vv.RectangleMesh(size=(2, 2), counts=(2, 2)).build()
+    points = [np.c_[layer.points[:, :2], np.full(len(layer.points), z)] for z in (0.0, 0.06)]
+    quads = layer.cells["quad4"]
+    both = vv.Mesh(np.vstack(points), {"quad4": np.vstack([quads, quads + len(layer.points)])})
+    for z in (0.0, 0.06, 0.05):
+        nodes, N = locate(both, np.array([0.5, 0.7, z]))
+        np.testing.assert_allclose(N @ both.points[nodes], [0.5, 0.7, 0.0 if z == 0 else 0.06], atol=1e-12)
+
+
+def test_places_outside_a_bend_are_at_its_edge() -> None:
+    """What lies on neither plane is beyond both where these lean away; beside a flat rim it lies nowhere."""
+    bent = vv.Mesh([(0, 0, 0), (1, 0, 0), (2, -0.4, 0)], {"line2": [[0, 1], [1, 2]]})
+    normal = np.array([0.0, 1, 0]) + np.array([0.4, 1, 0]) / np.hypot(0.4, 1)
+    nodes, N = locate(bent, np.array([1.0, 0, 0]) + 0.01 * normal)
+    np.testing.assert_allclose(N @ bent.points[nodes], [1, 0, 0], atol=1e-12)
+    with pytest.raises(vv.InputError, match="lies in none"):
+        locate(bent, np.array([-0.01, 0, 0]))
+
+
+@pytest.mark.parametrize("cell", ["quad4", "tri3"])
+def test_places_on_a_true_cylinder_are_found(cell: Any) -> None:
+    flat = vv.RectangleMesh(size=(np.pi / 2, 1), counts=(6, 3), cell=cell).build()
+    angle = flat.points[:, 0]
+    tube = vv.Mesh(np.c_[np.cos(angle), np.sin(angle), flat.points[:, 1]], flat.cells)
+    for a, z in np.random.default_rng(1).uniform((0, 0), (np.pi / 2, 1), (40, 2)):
+        place = np.array([np.cos(a), np.sin(a), z])
+        nodes, N = locate(tube, place)
+        assert np.linalg.norm(N @ tube.points[nodes] - place) < (np.pi / 12) ** 2 / 8 * 1.01  # of the chord

@@ -31,7 +31,7 @@ class TemperatureAt(Reading):
     ----------
     body : ThermalBody, ThermoelasticSolid, ThermalShell, ThermalBeam or FluidHeat
     at : array (3,)
-        Reference position; of shells and beams on the surface or line of their mesh, whose temperature it is.
+        Reference position; of shells and beams on the surface or line of their mesh: the mean across the section there.
     """
 
     body: HeatCarrier

@@ -36,13 +36,26 @@ def inverse(cell: Cell, corners: Array, x: Array) -> Array | None:
     return xi if np.abs(step).max() < 1e-9 else None
 
 
+def limits(cell: Cell) -> tuple[Array, Array, int]:
+    """Least and largest reference coordinates (dim,), and how many of them add up to one at most."""
+    corners = np.array(cell.family.corners, dtype=float)
+    flat = {3: 2, 6: 2, 4: 3}.get(len(corners), 0) if cell.name[0] in "tw" else 0
+    return corners.min(axis=0), corners.max(axis=0), flat
+
+
 def outside(cell: Cell, xi: Array) -> float:
     """Distance of reference coordinates from the cell; negative inside."""
-    corners = np.array(cell.family.corners, dtype=float)
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high, flat = limits(cell)
     excess = float(np.maximum(low - xi, xi - high).max())
-    flat = {3: 2, 6: 2, 4: 3}.get(len(corners), 0) if cell.name[0] in "tw" else 0
     return max(excess, float(xi[:flat].sum()) - 1) if flat else excess
+
+
+def within(cell: Cell, xi: Array) -> Array:
+    """Reference coordinates of a place in the cell near to those given."""
+    low, high, flat = limits(cell)
+    inner: Array = np.clip(xi, low, high)
+    inner[:flat] /= max(float(inner[:flat].sum()), 1.0)
+    return inner
 
 
 def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
@@ -64,18 +77,23 @@ def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
     nearest, size = int(np.argmin(distance)), float(np.ptp(mesh.points, axis=0).max())
     if distance[nearest] <= 1e-12 * size:
         return np.array([nearest]), np.ones(1)
+    found, least = None, np.inf
     for name, rows in mesh.cells.items():
         cell, corners = CELLS[name], mesh.points[rows]
         low, high = corners.min(axis=1), corners.max(axis=1)
         margin = 0.1 * (high - low).max(axis=1, keepdims=True)
         for row in np.flatnonzero(np.all((low - margin <= X) & (high + margin >= X), axis=1)):
             xi = inverse(cell, corners[row], X)
-            if xi is None or outside(cell, xi) > TOLERANCE:
+            if xi is None:
                 continue
-            N = cell.N(xi[None])[0]
-            beside = float(np.linalg.norm(N @ corners[row] - X))
-            if len(xi) == len(X) or beside <= BESIDE * float(np.ptp(corners[row], axis=0).max()):
-                return rows[row], N
+            N, across = cell.N(xi[None])[0], float(np.ptp(corners[row], axis=0).max())
+            beside = 0.0 if len(xi) == len(X) else float(np.linalg.norm(N @ corners[row] - X)) / across
+            # Of what is beside an edge that juts out the nearest place on either plane is beyond it.
+            if outside(cell, xi) <= TOLERANCE + 0.5 * beside and beside < min(BESIDE, least):
+                near = within(cell, xi) if beside else xi
+                found, least = (rows[row], cell.N(near[None])[0]), beside
+    if found is not None:
+        return found
     raise InputError(
         f"{label}: the point {X.tolist()} lies in none of its elements; the nearest node is number {nearest} at "
         f"{mesh.points[nearest].tolist()}"

@@ -156,7 +156,7 @@ class CahnHilliard(PhaseBody):
         return self.potentials(x) if name == "potential" else self.values(x)
 
     def potentials(self, x: Array) -> Array:
-        """Chemical potentials (n,) at the nodes, of the last step, at the unknowns `x` of the system."""
+        """Chemical potentials (n,) at the nodes: under conserving schemes means over the last step of `x`."""
         if self.potential is None:
             raise InputError(f"{self.label}: form = 'direct' has no potentials")
         return self.space.at_nodes(self.coefficients(self.potential, x))

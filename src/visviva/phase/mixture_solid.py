@@ -307,7 +307,7 @@ class MixtureSolid(Solid, Upright):
         return np.asarray(x[self.phase.start : self.phase.start + self.phase.size])
 
     def potentials(self, x: Array) -> Array:
-        """Chemical potentials (n,) at the nodes, of the last step, with the part of stress."""
+        """Chemical potentials (n,) at the nodes, with the part of stress; means as in `CahnHilliard`."""
         assert self.potential is not None
         return self.space.at_nodes(x[self.potential.start : self.potential.start + self.potential.size])
 

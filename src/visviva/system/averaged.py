@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.scheme.schemes import load_step
 from visviva.system.instant import instant
+from visviva.system.memory import undisturbed
 
 if TYPE_CHECKING:
     from visviva.system.system import System
@@ -29,6 +31,13 @@ class Averaging(Protocol):
 def has_averages(system: System) -> bool:
     """Whether there are any."""
     return any(isinstance(c, Averaging) and len(c.averages[0]) for c in system.components)
+
+
+def forces_at_rest(system: System) -> Array:
+    """Residual (n,) by unknown of the present configuration, without inertia."""
+    with undisturbed(system):
+        settle_averages(system)
+        return system.residual(load_step(system.time, 0.0))
 
 
 def settle_averages(system: System) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.system.agreement import agreed_curvatures, agreed_rates
-from visviva.system.averaged import has_averages, settle_averages
+from visviva.system.averaged import settle_averages
 from visviva.system.consistency import accelerations
 from visviva.system.instant import NO_STEP, Instant, difference, instant
 from visviva.system.memory import undisturbed
@@ -46,16 +46,12 @@ class Present:
     def __init__(self, system: System) -> None:
         self.state = state_of(system)
         self._system = system
-        self.x = system.x.copy()
         with undisturbed(system):
+            settle_averages(system)  # on which accelerations depend
+            self.x = system.x.copy()
             found = in_the_core(system) if is_plain(system) else None
             self.v, self.a, (of, multipliers) = found or by_the_equations(system)
         self.x[of] = multipliers
-        if has_averages(system):
-            with undisturbed(system):
-                system.x[:], system.v[:] = self.x, self.v
-                settle_averages(system)
-                self.x = system.x.copy()
 
     def is_of(self, system: System) -> bool:
         """Whether the system is still in this state."""

@@ -461,7 +461,7 @@ class System(metaclass=Named):
         the state was changed by hand) these are the forces of the present configuration, without inertia.
         """
         forces = self.forces_of_step()
-        return self.residual(load_step(self.time, 0.0)) if forces is None else forces
+        return averaged.forces_at_rest(self) if forces is None else forces
 
     def forces_of_step(self) -> Array | None:
         """The same of the last step alone, none without one; restarts keep them."""
@@ -488,7 +488,7 @@ class System(metaclass=Named):
 
         Statics and schemes that balance forces at the end of a step have them in their unknowns.
         """
-        in_unknowns = not self.solves_means or not self.has_inertia or self.model.driving.has_servo
+        in_unknowns = not self.solves_means or not self.has_inertia
         differs = self.has_lasting_constraints or averaged.has_averages(self)
         return self.x if in_unknowns or not differs else self.present.x
 
