@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,3 +114,19 @@ def test_what_no_faces_tell_is_refused() -> None:
     for first, second in ((cut, tip), (tip, cut), (twice, lines.rotated(np.pi / 2, about=(1, 0, 0)))):
         with pytest.raises(vv.InputError, match=r"cannot tell which nodes near .* are to become one"):
             first.merged(second, weld=WELD)
+
+
+@pytest.mark.parametrize("cell", ["hex20", "hex27"])
+def test_slits_one_cell_wide_stay_open_by_the_middles_of_their_edges(cell: Any) -> None:
+    """Only these are there twice: no face with a corner there told, and the weld was refused."""
+
+    def low(X: np.ndarray) -> np.ndarray:
+        return (np.abs(X[:, 1] - 0.5) < 1e-9) & (np.abs(X[:, 0] - 0.375) < 0.1)
+
+    parts = [
+        vv.BoxMesh(size=(1, 1, 0.5), counts=(4, 4, 2), origin=(0, 0, z)).build().quadratic(cell)
+        for z in (0, 0.5)
+    ]
+    whole = parts[0].merged(parts[1], weld=WELD).opened(low, lambda X: X[:, 1] > 0.5)
+    halves = [part.opened(low, lambda X: X[:, 1] > 0.5) for part in parts]
+    assert joints(halves[0].merged(halves[1], weld=WELD)) == joints(whole)

@@ -63,11 +63,11 @@ def _told(both: Mesh, n: int, place: Ints, crowded: Mask) -> Ints:
 
 
 def _sides(both: Mesh, n: int, place: Ints, crowded: Mask) -> Sides:
-    """Faces with a corner at a crowded place."""
+    """Faces with a node at a crowded place."""
     sides: Sides = {}, {}
     for kind, rows in all_faces(both.cells).cells.items():
         corners = rows[:, : CELLS[kind].n_corners]
-        near = crowded[place[corners]].any(axis=1)
+        near = crowded[place[rows]].any(axis=1)
         keys = np.sort(place[corners[near]], axis=1).tolist()
         own = np.sort(corners[near], axis=1).tolist()
         for key, its, row in zip(keys, own, rows[near].tolist(), strict=True):
