@@ -89,3 +89,51 @@ def test_what_lies_over_the_border_is_carried(over: float) -> None:
         vv.Position(of=block.point((0.3 + 0.2 * over + x, 0, 0.202)))(system)[2] for x in (0.0, 0.2)
     )
     assert [left, right] == pytest.approx([0.2, 0.2], abs=0.01)
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+def test_a_brick_that_falls_on_one_as_wide_is_carried(enforcement: Any) -> None:
+    """All its vertices bulge over the border: it fell between both, and steps failed."""
+    below = vv.BoxMesh(size=(0.2, 0.2, 0.1), counts=(1, 1, 1), origin=(-0.1, -0.1, -0.1))
+    above = vv.BoxMesh(size=(0.2, 0.2, 0.1), counts=(1, 1, 1), origin=(-0.1, -0.1, 0.002))
+    low, brick = (vv.Solid(mesh=mesh, material=SOFT, density=1e3) for mesh in (below, above))
+    contact = vv.Contact(
+        first=brick,
+        second=low,
+        second_faces="z1",
+        formulation="node-to-segment",
+        enforcement=enforcement,
+        stiffness=1e7,
+    )
+    system = vv.System([low, brick, contact, vv.Fixed(solid=low, nodes="z0"), vv.Gravity()])
+    result = vv.simulate(system, until=0.15, step=2e-3)
+    total = result.ledger["total"]
+    assert brick.positions(system.x)[:4, 2] == pytest.approx([1e-3] * 4, abs=1.1e-3)
+    if enforcement == "penalty":
+        assert total == pytest.approx(total[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
+@pytest.mark.parametrize("step", [3e-3, 6e-3])
+def test_what_is_far_over_a_face_holds_nothing_beside_it(enforcement: Any, step: float) -> None:
+    """A flat arm over the face, of a foot that falls beside that: the foot was held by the border's rounding when the
+    arm was 0.1 m above, as far as the step searched."""
+    body, held = plate(1)
+    whole = vv.BoxMesh(size=(0.6, 0.1, 0.2), counts=(3, 1, 2), origin=(0.101, -0.05, 0.05)).build()
+    hexahedra = whole.cells["hex8"]
+    middles = whole.points[hexahedra].mean(axis=1)
+    cells = {"hex8": hexahedra[(middles[:, 0] > 0.5) | (middles[:, 2] > 0.15)]}
+    mesh = vv.Mesh(points=whole.points, cells=cells).without_orphans()
+    arm = vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=(0, 0, -1))
+    contact = vv.Contact(
+        first=arm,
+        second=body,
+        second_faces="z1",
+        formulation="node-to-segment",
+        enforcement=enforcement,
+        stiffness=1e7,
+    )
+    system = vv.System([body, arm, contact, *held])
+    begin = arm.positions(system.x)
+    vv.simulate(system, until=0.09, step=step)
+    assert arm.positions(system.x) == pytest.approx(begin - [0, 0, 0.09], abs=1e-12)

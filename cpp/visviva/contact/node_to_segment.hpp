@@ -97,6 +97,7 @@ class NodeToSegment : public PointGaps {
     Reach locate_nearest(const double* X, int A, const Vector3& x, Found& found) const;
     Found plane_of(const double* X, int A, int side) const;
     bool goes_beside(const double* X, int A, const Found& found) const;
+    bool reaches_over(const double* X, int A, const FacetShape& facet) const;
     void find_over(const double* X);
     bool lies_over(int A, const Vector3& normal) const;
     bool leaves(const double* X, int A, const Found& found, int side) const;
@@ -132,7 +133,7 @@ class NodeToSegment : public PointGaps {
     std::vector<std::vector<Candidate>> candidates_;
     std::vector<int> across_;   // [facet][corner]: the facet beyond the edge to the next corner, or -1
     std::vector<char> border_;  // of vertices
-    std::vector<char> over_;    // vertices over a surface with borders where the step began
+    std::vector<int> over_;     // vertices over a surface with borders where the step began
     std::vector<std::vector<int>> near_;  // facets that a vertex shares with itself and its neighbours
     std::vector<char> sharp_;             // vertices at sharp edges and borders, if it may touch itself
 };
