@@ -54,6 +54,27 @@ def test_the_nearest_of_several_layers_is_found() -> None:
         np.testing.assert_allclose(N @ both.points[nodes], [0.5, 0.7, 0.0 if z == 0 else 0.06], atol=1e-12)
 
 
+def test_the_nearest_part_is_found_whatever_the_size_of_its_cells() -> None:
+    """Distances were compared in sizes of cells: places of a tube were told of the coarse plate below it."""
+    plate = vv.RectangleMesh(size=(3, 3), counts=(3, 3)).build()
+    n, gap = 20, 0.004
+    fine = vv.RectangleMesh(size=(np.pi, 3), counts=(n, 30)).build()
+    angle = fine.points[:, 0] - np.pi / 2
+
+    def on_tube(angle: Any, y: Any) -> Any:
+        return np.stack(
+            np.broadcast_arrays(1.5 + 0.3 * np.sin(angle), y, gap + 0.3 - 0.3 * np.cos(angle)), axis=-1
+        )
+
+    n_plate = len(plate.points)
+    points = np.vstack([np.pad(plate.points, ((0, 0), (0, 1))), on_tube(angle, fine.points[:, 1])])
+    cells = np.vstack([plate.cells["quad4"], fine.cells["quad4"] + n_plate])
+    both = vv.Mesh(points, {"quad4": cells})
+    for k in range(n):
+        nodes, _ = locate(both, on_tube((k + 0.5) * np.pi / n - np.pi / 2, 1.45))
+        assert nodes.min() >= n_plate
+
+
 def test_places_outside_a_bend_are_at_its_edge() -> None:
     """What lies on neither plane is beyond both where these lean away; beside a flat rim it lies nowhere."""
     bent = vv.Mesh([(0, 0, 0), (1, 0, 0), (2, -0.4, 0)], {"line2": [[0, 1], [1, 2]]})

@@ -87,11 +87,11 @@ def locate(mesh: Mesh, X: Array, label: str = "mesh") -> tuple[Ints, Array]:
             if xi is None:
                 continue
             N, across = cell.N(xi[None])[0], float(np.ptp(corners[row], axis=0).max())
-            beside = 0.0 if len(xi) == len(X) else float(np.linalg.norm(N @ corners[row] - X)) / across
+            away = 0.0 if len(xi) == len(X) else float(np.linalg.norm(N @ corners[row] - X))
             # Of what is beside an edge that juts out the nearest place on either plane is beyond it.
-            if outside(cell, xi) <= TOLERANCE + 0.5 * beside and beside < min(BESIDE, least):
-                near = within(cell, xi) if beside else xi
-                found, least = (rows[row], cell.N(near[None])[0]), beside
+            if outside(cell, xi) <= TOLERANCE + 0.5 * away / across and away < min(BESIDE * across, least):
+                near = within(cell, xi) if away else xi
+                found, least = (rows[row], cell.N(near[None])[0]), away
     if found is not None:
         return found
     raise InputError(
