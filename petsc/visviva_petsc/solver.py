@@ -133,11 +133,11 @@ class Solver:
         if reason < 0:
             self.message = f"no convergence in {self.iterations} iterations (reason {reason} of PETSc)"
             return False
-        # No increment would be taken for a step that needs none.
-        found, asked = (float(v.norm()) for v in (self.d, self.r))  # all processes ask
-        if self.iterations == 0 and found == 0 and asked > 0:
-            self.message = f"it left all of the residual (reason {reason} of PETSc)"
-            return False
+        if self.iterations == 0:  # in all processes: all ask for both norms
+            found, asked = (float(v.norm()) for v in (self.d, self.r))
+            if found == 0 and asked > 0:  # which would be taken for a step that needs none
+                self.message = f"it left all of the residual (reason {reason} of PETSc)"
+                return False
         self.bring.scatter(self.d, self.near)
         d[self.unknown] = self.near.array
         return True
