@@ -28,9 +28,17 @@ class Averaging(Protocol):
         ...
 
 
+def averages(system: System) -> tuple[Ints, Ints]:
+    """Those of all components."""
+    none = np.zeros(0, dtype=np.int64)
+    found = [(none, none), *(c.averages for c in system.components if isinstance(c, Averaging))]
+    means, rows = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+    return means, rows
+
+
 def has_averages(system: System) -> bool:
     """Whether there are any."""
-    return any(isinstance(c, Averaging) and len(c.averages[0]) for c in system.components)
+    return len(averages(system)[0]) > 0
 
 
 def forces_at_rest(system: System) -> Array:
@@ -44,10 +52,9 @@ def settle_averages(system: System) -> None:
     """Bring them to the present instant, at the system's unknowns and rates."""
     import scipy.sparse.linalg as spl
 
-    for component in system.components:
-        if not isinstance(component, Averaging) or not len(component.averages[0]):
-            continue
-        means, rows = component.averages
-        residual, K = system.tangent(instant(system.time, theta=1.0, rates=True))
-        row, column = (np.searchsorted(system.free_unknowns, u) for u in (rows, means))
-        system.x[means] -= spl.spsolve(K[row][:, column].tocsc(), residual[rows])
+    means, rows = averages(system)
+    if not len(means):
+        return
+    residual, K = system.tangent(instant(system.time, theta=1.0, rates=True))
+    row, column = (np.searchsorted(system.free_unknowns, u) for u in (rows, means))
+    system.x[means] -= spl.spsolve(K[row][:, column].tocsc(), residual[rows])
