@@ -53,6 +53,18 @@ def thrown(solid: bool, turn: float, gap: float, velocity: tuple[float, ...]) ->
     return cube, cube.point(tuple(middle)), middle
 
 
+def on_top(first: vv.Solid | vv.RigidBody, second: vv.Solid, enforcement: Any) -> vv.Contact:
+    """Contact of a body with the upper face of another."""
+    return vv.Contact(
+        first=first,
+        second=second,
+        second_faces="z1",
+        formulation="node-to-segment",
+        enforcement=enforcement,
+        stiffness=1e7,
+    )
+
+
 @pytest.mark.parametrize("enforcement", ["multipliers", "penalty"])
 @pytest.mark.parametrize(("count", "solid"), [(0, False), (1, False), (3, False), (0, True), (3, True)])
 @pytest.mark.parametrize(("turn", "gap"), [(0.0, 1e-3), (0.7, 0.1)])
@@ -63,14 +75,7 @@ def test_what_passes_beside_a_named_face_is_free(
     body, held = plate(count)
     velocity = np.array([0.1, 0.0, -1.0])
     cube, of, middle = thrown(solid, turn, gap, tuple(velocity))
-    contact = vv.Contact(
-        first=cube,
-        second=body,
-        second_faces="z1",
-        formulation="node-to-segment",
-        enforcement=enforcement,
-        stiffness=1e7,
-    )
+    contact = on_top(cube, body, enforcement)
     system = vv.System([body, cube, contact, *held])
     vv.simulate(system, until=0.3, step=3e-3)
     assert vv.Position(of=of)(system) == pytest.approx(middle + 0.3 * velocity, abs=1e-8)
@@ -97,14 +102,7 @@ def test_a_brick_that_falls_on_one_as_wide_is_carried(enforcement: Any) -> None:
     below = vv.BoxMesh(size=(0.2, 0.2, 0.1), counts=(1, 1, 1), origin=(-0.1, -0.1, -0.1))
     above = vv.BoxMesh(size=(0.2, 0.2, 0.1), counts=(1, 1, 1), origin=(-0.1, -0.1, 0.002))
     low, brick = (vv.Solid(mesh=mesh, material=SOFT, density=1e3) for mesh in (below, above))
-    contact = vv.Contact(
-        first=brick,
-        second=low,
-        second_faces="z1",
-        formulation="node-to-segment",
-        enforcement=enforcement,
-        stiffness=1e7,
-    )
+    contact = on_top(brick, low, enforcement)
     system = vv.System([low, brick, contact, vv.Fixed(solid=low, nodes="z0"), vv.Gravity()])
     result = vv.simulate(system, until=0.15, step=2e-3)
     total = result.ledger["total"]
@@ -125,14 +123,7 @@ def test_what_is_far_over_a_face_holds_nothing_beside_it(enforcement: Any, step:
     cells = {"hex8": hexahedra[(middles[:, 0] > 0.5) | (middles[:, 2] > 0.15)]}
     mesh = vv.Mesh(points=whole.points, cells=cells).without_orphans()
     arm = vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=(0, 0, -1))
-    contact = vv.Contact(
-        first=arm,
-        second=body,
-        second_faces="z1",
-        formulation="node-to-segment",
-        enforcement=enforcement,
-        stiffness=1e7,
-    )
+    contact = on_top(arm, body, enforcement)
     system = vv.System([body, arm, contact, *held])
     begin = arm.positions(system.x)
     vv.simulate(system, until=0.09, step=step)
