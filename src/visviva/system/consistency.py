@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
+from visviva.system.actuated import Actuated
 from visviva.system.floating import displaced_mass, impulse_at_start
 from visviva.system.instant import COMPLIANCE, Instant, instant
 from visviva.system.memory import returning
@@ -148,7 +149,7 @@ def contradiction(system: System) -> str:
 
 def project_velocities(system: System, at: Instant | None = None) -> Correction:
     """Make the velocities satisfy the constraints' time derivatives, changed as little as possible in kinetic
-    energy.
+    energy; by impulses of actuators where `at` is factored and has them.
 
     Raises
     ------
@@ -248,13 +249,18 @@ def follow_branch(system: System, at: Instant, null: Array) -> dict[str, float]:
 
 def accelerations(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
     """Accelerations (n,) and multipliers (m,) of the present state; `still` leaves the velocities out."""
+    return at.solve_consistent(*unbalanced(system, at, still))
+
+
+def unbalanced(system: System, at: Instant, still: bool = False) -> tuple[Array, Array]:
+    """What accelerations and multipliers have to balance: forces (n,), and second rates (m,) of constraints."""
     with returning(system):
         system.x[at.multipliers] = 0.0
         force = system.residual(instant(system.time, theta=1.0, rates=not still))[at.coordinates]
         if system.model.driving.prescribed and not still:
             force = force + at.prescribed_inertia()
     right = np.zeros(len(at.multipliers)) if still else np.concatenate([-at.convection(), at.added])
-    return at.solve_consistent(-force, right)
+    return -force, right
 
 
 def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant | None = None) -> None:
@@ -264,7 +270,7 @@ def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant |
     included. Acceleration-like variables stand for another moment than their step's end, see `Scheme.history_at`.
     """
     if at is None:
-        at = Instant(system)
+        at = Actuated(system)
         at.add_rate_constraints()
         at.factor()
     a, multipliers = accelerations(system, at)
@@ -296,7 +302,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
                 p.values(system.time),
                 p.rates(system.time, system.clock.step),
             )
-        at = Instant(system)
+        at = Actuated(system)
         at.add_rate_constraints()
         at.factor()
         of_motion = moves[at.coordinates]
@@ -322,7 +328,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     array
         Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.drives``.
     """
-    at, rates_alone = Instant(system), table[1][2] == 0.0
+    at, rates_alone = Actuated(system), table[1][2] == 0.0
     if not rates_alone:  # flows keep what the scheme remembers of them
         at.keep(at.of_motion)
     impulse = np.zeros(len(at.coordinates))

@@ -91,6 +91,8 @@ class Instant:
         Mass (capacity for fields of order 1) and gradients of the constraints.
     reach : array (m,)
         What a constraint's value is measured by: its gradient times the size of the unknowns.
+    columns : sparse array (n, m)
+        Along what multipliers push.
     added : array (k,)
         What the last k rows of G, which `add_rate_constraints` appends, shall give.
     """
@@ -111,11 +113,20 @@ class Instant:
         refuse_infinite(system, unknown, A @ np.ones(A.shape[1]))
         self.M = A[self._q][:, self._q].tocsr() if len(self._q) < A.shape[0] else A
         self.G = A[self._m][:, self._q].tocsr()
-        self.columns = A[:, self._m][self._q].tocsr()
+        self.columns = self._columns_in(A)
         scale = system.scale[self.coordinates]
         self.scale = np.where(scale > 0, scale, 1.0)
         self.reach = abs(self.G) @ np.maximum(self.scale, np.abs(system.x[self.coordinates]))
         self.reach[self.reach == 0] = 1.0
+
+    def _columns_in(self, _: sp.csr_array) -> sp.csc_array:
+        """Along what multipliers push (n, m): here what they hold, as the least change of a state has it."""
+        columns: sp.csc_array = self.G.T
+        return columns
+
+    def _sizes(self, K: sp.csr_array) -> sp.csr_array:
+        """What is scaled to entries near one, as rows and as columns."""
+        return K
 
     @property
     def of_motion(self) -> NDArray[np.bool_]:
@@ -156,7 +167,7 @@ class Instant:
         self.metric = self.M  # masses of what a fluid displaces are taken off, and lumped ones may vanish
         more = rows[:, self.coordinates]
         self.G = sp.vstack([self.G, more], format="csr")
-        self.columns = sp.hstack([self.columns, more.T], format="csr")
+        self.columns = sp.hstack([self.columns, more.T], format="csc")
 
     # --- constraints ----------------------------------------------------------------------------------------
     def violation(self, delay: float = 0.0, offset: Array | None = None) -> Array:
@@ -312,10 +323,10 @@ class Instant:
         if n + m == 0:  # all that moves is prescribed
             self._s = np.zeros(0)
             return
-        K = sp.block_array([[self.metric, self.G.T], [self.G, None]], format="csr")
+        K = sp.block_array([[self.metric, self.columns], [self.G, None]], format="csr")
         with np.errstate(all="ignore"):  # what is not finite is refused by name
             unit = by_weight(self.metric.diagonal(), self.scale)
-            self._s = equilibration(K, np.concatenate([unit, np.zeros(m)]))
+            self._s = equilibration(self._sizes(K), np.concatenate([unit, np.zeros(m)]))
         refuse_infinite(self.system, np.r_[self.coordinates, self.multipliers], self._s)
         S = sp.diags_array(self._s)
         weightless = abs(self.metric).sum(axis=1) == 0
@@ -352,7 +363,7 @@ class Instant:
         if not len(z):
             return f, g
         for _ in range(MOST):
-            change = improve(np.concatenate([f - mass @ z[:n] - self.G.T @ z[n:], g - self.G @ z[:n]]))
+            change = improve(np.concatenate([f - mass @ z[:n] - self.columns @ z[n:], g - self.G @ z[:n]]))
             relative = np.abs(change / self._s)
             sizes = float(relative[:n].max(initial=0.0)), float(relative[n:].max(initial=0.0))
             if not any(size < 0.5 * before for size, before in zip(sizes, last, strict=True)):
@@ -379,7 +390,7 @@ class Instant:
         n, size = len(f), len(f) + len(g)
         if size <= FEW:
             S = sp.diags_array(self._s)
-            K = S @ sp.block_array([[self.M, self.G.T], [self.G, None]], format="csr") @ S
+            K = S @ sp.block_array([[self.M, self.columns], [self.G, None]], format="csr") @ S
             weightless = abs(self.M).sum(axis=1) == 0
             little = sp.diags_array(np.r_[np.where(weightless, LIGHT, 0.0), -self._compliances(COMPLIANCE)])
             try:
@@ -388,7 +399,7 @@ class Instant:
                 pass
             else:
                 return self.refined(self.M, f, g, lambda rest: self._s * solve(self._s * rest))
-        times = lambda z: np.concatenate([self.M @ z[:n] + self.G.T @ z[n:], self.G @ z[:n]])  # noqa: E731
+        times = lambda z: np.concatenate([self.M @ z[:n] + self.columns @ z[n:], self.G @ z[:n]])  # noqa: E731
         A = spl.LinearOperator((size, size), matvec=times, dtype=float)
         P = spl.LinearOperator((size, size), matvec=lambda r: self.soft(r[:n], r[n:]), dtype=float)
 
@@ -435,14 +446,14 @@ def by_complement(K: sp.csc_array, n: int) -> Callable[[Array], Array]:
     import scipy.sparse.linalg as spl
 
     inverse = 1 / K.diagonal()[:n]
-    G = K[n:, :n].tocsr()
-    left = (K[n:, n:] - G @ sp.diags_array(inverse) @ G.T).tocsc()
+    G, columns = K[n:, :n].tocsr(), K[:n, n:]
+    left = (K[n:, n:] - G @ sp.diags_array(inverse) @ columns).tocsc()
     lu = spl.splu(left, permc_spec="MMD_AT_PLUS_A", options={"Equil": False, "SymmetricMode": True})
 
     def solve(r: Array) -> Array:
         weight = inverse.reshape(-1, *[1] * (r.ndim - 1))
         mu = lu.solve(r[n:] - G @ (weight * r[:n]))
-        return np.concatenate([weight * (r[:n] - G.T @ mu), mu])
+        return np.concatenate([weight * (r[:n] - columns @ mu), mu])
 
     return solve
 

@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.system.actuated import Actuated
 from visviva.system.agreement import agreed_curvatures, agreed_rates
 from visviva.system.averaged import settle_averages
 from visviva.system.consistency import accelerations
@@ -77,7 +78,7 @@ Found = tuple[Array, Array, tuple[NDArray[np.int64], Array]]
 
 def by_the_equations(system: System) -> Found:
     """For systems of any kind."""
-    at = Instant(system)
+    at = Actuated(system)
     at.factor()
     for p, rates in zip(system.model.driving.prescribed, agreed_rates(system), strict=True):
         system.v[p.unknowns] = rates

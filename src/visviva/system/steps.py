@@ -162,12 +162,15 @@ def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Ar
 
 def _follow_kinks(system: System, accounts: set[int]) -> None:
     """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share."""
+    from visviva.system.actuated import Actuated
     from visviva.system.consistency import project_velocities
 
     last, before = system.stepper.last, system.core.energy.sum()
     system.follow_prescribed()
     if system.n_constraints:
-        project_velocities(system)
+        at = Actuated(system)
+        at.factor()
+        project_velocities(system, at)
     _evaluate_ledger_again(system)
     system.core.work[list(accounts)] += (system.core.energy.sum() - before) / len(accounts)
     system.stepper.led_by(last)

@@ -19,12 +19,9 @@ if TYPE_CHECKING:
     from visviva.model.model import Model
     from visviva.model.state import State
     from visviva.scheme.schemes import Scheme
-    from visviva.system.instant import Instant
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
-RANK = 1e-10
-"""Relative size of singular values that count as zero."""
 
 
 @dataclass(config=settings, eq=False, kw_only=True)
@@ -108,8 +105,11 @@ class Servo(Component):
 
     def _is_indirect(self, system: System) -> bool:
         """Whether some inputs of this servo do not accelerate its outputs (index above three)."""
+        from visviva.system.actuated import RANK, Actuated
+
         with undisturbed(system):
-            at, K, _ = equations(system)
+            at = Actuated(system)
+            K, _ = at.dense()
         _, size, V = np.linalg.svd(K)
         own = np.isin(at.multipliers, list(self._multipliers.unknowns))
         null = V[size < RANK * size[0]][:, len(at.coordinates) :][:, own]
@@ -142,31 +142,16 @@ class ServoInputs(Reading):
         return self.servo.inputs(system)
 
 
-def equations(system: System) -> tuple[Instant, Array, Array]:
-    """Matrix (n + m, n + m) of accelerations and multipliers, scaled on both sides by the last array."""
-    import scipy.sparse as sp
-
-    from visviva.system.instant import Instant
-    from visviva.system.scaling import equilibration
-
-    at = Instant(system)
-    m = len(at.multipliers)
-    K = np.block([[at.M.toarray(), at.columns.toarray()], [at.G.toarray(), np.zeros((m, m))]])
-    scale = equilibration(sp.csr_array(abs(K) + abs(K.T)), np.concatenate([at.scale, np.zeros(m)]))
-    return at, scale[:, None] * K * scale, scale
-
-
 def initial_state(system: System) -> None:
     """Smallest accelerations and multipliers that fit the present state; exact for a start from rest."""
-    from visviva.system.instant import instant
+    from visviva.system.actuated import Actuated
+    from visviva.system.consistency import unbalanced
 
-    at, K, scale = equations(system)
-    n = len(at.coordinates)
-    system.x[at.multipliers] = 0.0
-    force = system.residual(instant(system.time, theta=1.0, rates=True))[at.coordinates]
-    right = np.concatenate([-force, -at.convection()])
-    z = scale * np.linalg.lstsq(K, scale * right, rcond=RANK)[0]
-    system.x[at.multipliers] = z[n:]
-    system.core.a[at.coordinates] = system.core.w[at.coordinates] = z[:n]
+    at = Actuated(system)
+    a, multipliers = at.least(*unbalanced(system, at))
+    for history in (system.core.a, system.core.w):
+        history[:] = at.prescribed_acceleration()
+        history[at.coordinates] = a
+    system.x[at.multipliers] = multipliers
     system.invalidate()
     system.stepper.has_acceleration = True
