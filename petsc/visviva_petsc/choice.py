@@ -127,6 +127,6 @@ def refuse_unfit() -> None:
         )
     if not hasattr(PETSc.Mat, "setPreallocationCOO"):
         raise InputError(
-            f"petsc4py {version()} is too old, it fills no matrices by coordinates (Mat.setPreallocationCOO); install "
-            "a newer one and its PETSc, as docs/howto/many_processes.rst says"
+            f"petsc4py {version()} is too old, it has no Mat.setPreallocationCOO, by which those are known that serve; "
+            "install a newer one and its PETSc, as docs/howto/many_processes.rst says"
         )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from visviva.base.world import world
+from visviva_petsc.filled import Filled
 from visviva_petsc.world import owners
 
 Array = NDArray[np.float64]
@@ -26,8 +27,7 @@ _made = [0]
 class Solver:
     """Solves ``K d = -r``, where each process adds what its elements give to K and to r.
 
-    Equations are numbered anew, those of a process in a row. Compressed rows are, in these numbers, a list of
-    coordinates whose values PETSc adds over the processes.
+    Equations are numbered anew, those of a process in a row.
 
     Attributes
     ----------
@@ -64,16 +64,8 @@ class Solver:
         number[order[:total]] = np.arange(total)
         self.unknown, self.equation = np.array(unknown), number[unknown]
         own = owner[unknown] == comm.rank
-        sizes = int(counts[comm.rank]), total
-        self.A = PETSc.Mat().create(self.comm)
-        self.A.setSizes((sizes, sizes))
-        if (block := block_size(comm, node)) > 1:
-            self.A.setBlockSize(block)
-        self.A.setType("aij")
-        rows, columns = np.repeat(self.equation, np.diff(row)), self.equation[col]
-        self.lacking = np.setdiff1d(self.equation[own], rows[rows == columns])  # factors want a diagonal
-        rows, columns = (np.concatenate([part, self.lacking]) for part in (rows, columns))
-        self.A.setPreallocationCOO(rows, columns)  # which works in what it is given
+        self.matrix = Filled(comm, int(counts[comm.rank]), row, col, self.equation, block_size(comm, node))
+        self.A = self.matrix.A
         self.r, self.d = self.A.createVecLeft(), self.A.createVecRight()
         self.near = PETSc.Vec().createSeq(len(unknown), comm=PETSc.COMM_SELF)
         numbers = PETSc.IS().createGeneral(self.equation, comm=PETSc.COMM_SELF)
@@ -110,7 +102,7 @@ class Solver:
 
     def factor(self, values: Array) -> bool:
         """Take the values of the matrix; whatever is made of them is made before the first solution."""
-        self.A.setValuesCOO(np.pad(values, (0, len(self.lacking))) if len(self.lacking) else values)
+        self.matrix.fill(values)
         self.ksp.setOperators(self.A)
         self.prepare()
         self.ksp.setUp()
