@@ -187,3 +187,28 @@ def test_functions_that_fail_of_two_points_are_named() -> None:
 def test_functions_may_be_asked_of_no_points() -> None:
     """A process may have none."""
     assert OfPart("stove", "power", lambda t, X: X[:, 0])(0.0, np.zeros((0, 3))).shape == (0,)
+
+
+def test_each_of_two_batches_with_as_many_points_is_looked_at() -> None:
+    """The second at the same time was not: of two types of cells with as many points loads were 4 % too large."""
+    near = np.column_stack([np.linspace(0.0, 1.0, 50), np.zeros((50, 2))])
+    load = OfPart("wall", "load", lambda t, X: np.where(X[:, 0] > 1.5, X[:, 0] / X[:, 0].max(), 0.0))
+    assert not load(0.0, near).any()
+    with pytest.raises(vv.InputError, match=r"wall: its load at .* of this point alone"):
+        load(0.0, near + np.array([2.0, 0, 0]))
+
+
+def test_forces_on_two_types_of_cells_with_as_many_points_are_looked_at() -> None:
+    four = vv.RectangleMesh(size=(1, 1), counts=(3, 1)).build()
+    three = vv.RectangleMesh(size=(1, 1), counts=(2, 1), origin=(1, 0), cell="tri3").build()
+
+    def force(t: float, X: Array) -> Array:
+        x = X[:, :1]
+        return np.where(x > 1, x / max(x.max(), 1e-9), 0.0) * [1.0, 0.0, 0.0]
+
+    plate = vv.Solid(
+        mesh=four.merged(three, weld=1e-6), material=vv.NeoHooke(young=1.0, poisson=0.3), density=1.0
+    )
+    parts = [plate, vv.BodyForce(solid=plate, force=force, name="pull"), vv.Fixed(solid=plate, nodes="x0")]
+    with pytest.raises(vv.InputError, match=r"pull'?: its .*force.* at .* of this point alone"):
+        vv.simulate(vv.System(parts), until=0.1, step=0.1)
