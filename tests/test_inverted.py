@@ -136,3 +136,15 @@ def test_broken_cells_may_turn(broken: Callable[[Any], Any], told: bool) -> None
         assert "is inverted (det F = -0.2)" in body.invalid(x)
     else:
         assert body.invalid(x) == ""
+
+
+def test_what_is_no_number_is_told_before_what_is_flat() -> None:
+    """Any cell of a later type took its place, however little it was strained: element 4 is nearly flat (det F = 1)."""
+    four = vv.RectangleMesh(size=(1, 1), counts=(2, 2)).build()
+    three = vv.RectangleMesh(size=(1, 1), counts=(2, 2), origin=(1, 0), cell="tri3").build()
+    mesh = four.merged(three, weld=1e-6)
+    bodies = vv.Solid(**STEEL, mesh=mesh), vv.FracturingSolid(**STEEL, **CRACKS, mesh=mesh)
+    for body, ask in zip(bodies, (bodies[0].trouble, bodies[1].invalid), strict=True):
+        found = ask(moved(body, lambda X: np.where((X == 0).all(axis=1)[:, None], np.nan, X)))
+        assert found.startswith("element 0 of")
+        assert found.endswith("is of no finite volume (det F = nan)")

@@ -47,14 +47,23 @@ class Upright(Limited):
 
 
 def flattest(body: MeshBody, x: Array, cells: Iterable[Ratios], limit: float) -> str:
-    """The cell with the least ratio of volumes, if that is at the limit or below it; else nothing."""
+    """The cell with the least ratio of volumes, if that is at the limit or below it; else nothing.
+
+    One that has none, as what moves it is no number, is told at once.
+    """
     least, found = limit, ""
     for nodes, numbers, J in cells:
         lowest = J.min(axis=1)
-        e = int(np.argmin(lowest))
+        e = int(np.argmin(lowest))  # the first without a number, if there is one
         if not lowest[e] > least:
-            least, place = float(lowest[e]), body.carriers.vectors(x)[nodes[e]].mean(axis=0)
-            at = ", ".join(f"{c:.4g}" for c in place)
-            state = "inverted" if least <= 0 else "nearly flat"
-            found = f"element {numbers[e]} of {body.label} near ({at}) is {state} (det F = {least:.3g})"
+            least = float(lowest[e])
+            found = _told(body, x, nodes[e], int(numbers[e]), least)
+        if np.isnan(least):
+            break
     return found
+
+
+def _told(body: MeshBody, x: Array, nodes: Ints, number: int, ratio: float) -> str:
+    at = ", ".join(f"{c:.4g}" for c in body.carriers.vectors(x)[nodes].mean(axis=0))
+    state = "of no finite volume" if np.isnan(ratio) else "inverted" if ratio <= 0 else "nearly flat"
+    return f"element {number} of {body.label} near ({at}) is {state} (det F = {ratio:.3g})"
