@@ -36,7 +36,7 @@ class State(Protocol):
 
     @property
     def x_with_reactions(self) -> Array:
-        """The same (n,) with the multipliers of lasting constraints that belong to this instant."""
+        """The same (n,) with the multipliers of lasting constraints, and the pressures, that belong to this instant."""
         ...
 
     @property

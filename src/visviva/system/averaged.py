@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from visviva.system.instant import instant
 from visviva.system.memory import undisturbed
 
 if TYPE_CHECKING:
+    from visviva.model.model import Model
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
@@ -28,12 +30,18 @@ class Averaging(Protocol):
         ...
 
 
+KNOWN: WeakKeyDictionary[Model, tuple[Ints, Ints]] = WeakKeyDictionary()
+"""They are asked for at every look at forces, and do not change as long as the model is the same."""
+
+
 def averages(system: System) -> tuple[Ints, Ints]:
     """Those of all components."""
-    none = np.zeros(0, dtype=np.int64)
-    found = [(none, none), *(c.averages for c in system.components if isinstance(c, Averaging))]
-    means, rows = (np.concatenate([pair[k] for pair in found]) for k in range(2))
-    return means, rows
+    if system.model not in KNOWN:
+        none = np.zeros(0, dtype=np.int64)
+        found = [(none, none), *(c.averages for c in system.components if isinstance(c, Averaging))]
+        means, rows = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+        KNOWN[system.model] = means, rows
+    return KNOWN[system.model]
 
 
 def has_averages(system: System) -> bool:
@@ -43,9 +51,12 @@ def has_averages(system: System) -> bool:
 
 def forces_at_rest(system: System) -> Array:
     """Residual (n,) by unknown of the present configuration, without inertia."""
+    step = load_step(system.time, 0.0)
+    if not has_averages(system):
+        return system.residual(step)
     with undisturbed(system):
         settle_averages(system)
-        return system.residual(load_step(system.time, 0.0))
+        return system.residual(step)
 
 
 def settle_averages(system: System) -> None:

@@ -484,9 +484,10 @@ class System(metaclass=Named):
 
     @property
     def x_with_reactions(self) -> Array:
-        """The unknowns (n,), with those multipliers of lasting constraints that belong to this instant.
+        """The unknowns (n,), with those multipliers of lasting constraints, and those pressures, of this instant.
 
-        Statics and schemes that balance forces at the end of a step have them in their unknowns.
+        Statics and schemes that balance forces at the end of a step have them in their unknowns; others have means
+        over the step there, as they have for pressures of mixed solids with heat.
         """
         in_unknowns = not self.solves_means or not self.has_inertia
         differs = self.has_lasting_constraints or averaged.has_averages(self)
