@@ -76,13 +76,13 @@ def budget(system: Any) -> dict[str, float]:
     blocks = entries / d**2
     return {
         "mesh": mesh.points.nbytes + cells.nbytes,
-        "gradients and weights at points": 8.0 * m * points * (k * d + 1 + d),
-        "masses and places of elements": m * (8.0 * k * (k + 1) / 2 + 2 * k**2 + 20 * k),
+        "places of nodes of elements and of their blocks": m
+        * (8.0 * k * d + 8 * points + 2 * k**2 + 20 * k + 28),
         "matrix": 12.0 * entries,
         "neighbours of nodes": 8.0 * blocks + 80 * n / d,
         "its finest grid, in single precision": 4.0 * (entries + 2 * blocks),
-        "coarser grids, ways between them, while they are made": 1900.0 * n / d,
-        "vectors and rigid motions": 8.0 * n * (3 * 6 + 75),
+        "coarser grids, ways between them, while they are made": 1700.0 * n / d,
+        "vectors and rigid motions": 8.0 * n * (9 + 75),
     }
 
 

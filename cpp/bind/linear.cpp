@@ -129,6 +129,7 @@ void bind_choice(nb::module_& m) {
         .def_rw("matching", &LinearChoice::matching)
         .def_rw("minimum_degree", &LinearChoice::minimum_degree)
         .def_rw("last_resort", &LinearChoice::last_resort)
+        .def_rw("borrow_from", &LinearChoice::borrow_from)
         .def_rw("method", &LinearChoice::method)
         .def_rw("preconditioner", &LinearChoice::preconditioner)
         .def_rw("tolerance", &LinearChoice::tolerance)

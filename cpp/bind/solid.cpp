@@ -40,6 +40,27 @@ void bind_solid(nb::module_& m) {
             },
             nb::arg("kind"), nb::arg("small"), nb::arg("index"), nb::arg("gradients"), nb::arg("volume"),
             nb::arg("par"), nb::arg("hoop").none(), nb::arg("mass").none(), nb::arg("damping").none())
+        .def_static(
+            "of_bricks",
+            [](int kind, bool small, const Ints& index, const Doubles& places, const Doubles& slopes,
+               const Doubles& weight, const Doubles& par, nb::object mass_shapes, nb::object mass,
+               nb::object damping) {
+                if (places.size() != index.size() * 3 || index.shape(1) != 8 ||
+                    weight.size() != brick_points || slopes.size() != brick_points * 8 * 3)
+                    throw std::invalid_argument(
+                        "bricks need places (m, 8, 3), slopes (8, 8, 3) and weights (8,)");
+                SolidData d{};
+                d.n = static_cast<int>(index.shape(0)), d.n_nodes = 8, d.n_points = brick_points, d.dim = 3;
+                d.n_par = static_cast<int>(par.shape(1)), d.kind = static_cast<MaterialKind>(kind),
+                d.small = small;
+                d.index = index.data(), d.places = places.data(), d.slopes = slopes.data(),
+                d.weight = weight.data(), d.par = par.data();
+                d.mass_shapes = optional(mass_shapes), d.mass = optional(mass), d.damping = optional(damping);
+                return new SolidTerm(d);
+            },
+            nb::arg("kind"), nb::arg("small"), nb::arg("index"), nb::arg("places"), nb::arg("slopes"),
+            nb::arg("weight"), nb::arg("par"), nb::arg("mass_shapes").none(), nb::arg("mass").none(),
+            nb::arg("damping").none())
         .def("set_callback", [](SolidTerm& t, nb::object f) { t.set_callback(law_callback(&t, f)); })
         .def_prop_rw("start_stress", &SolidTerm::start_stress, &SolidTerm::set_start_stress)
         .def("set_plane_stress", &SolidTerm::set_plane_stress)

@@ -308,7 +308,7 @@ TEST_CASE("aggregation: smoothed prolongation and the coarser matrix are the pro
     const MatrixXd a = grid(numbers, 4, 3, dofs, 0);
     const NodeMatrix matrix = node_matrix(by_nodes(a, dofs));
     Aggregates tentative = thirds(n, dofs);
-    for (double& v : tentative.block) v = numbers.one();
+    for (float& v : tentative.block) v = static_cast<float>(numbers.one());
     tentative.of[4] = -1;  // of none
     MatrixXd T = MatrixXd::Zero(n * dofs, tentative.n * dofs);
     for (int i = 0; i < n; ++i)

@@ -51,6 +51,9 @@ struct LinearChoice {
     int max_iterations = 500;
     int restart = 50;  // of GMRES
     Aggregator aggregator;
+    // Equations from which multigrid has no matrix of its own: memory counts for more than a tenth of the
+    // time.
+    int borrow_from = 300'000;
     OutsideSolver outside;
 
     // Staggered: solvers of mechanics and of heat in the order of preference; by unknown whether it is

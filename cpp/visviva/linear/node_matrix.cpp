@@ -14,7 +14,7 @@ constexpr int piece = 512;          // block rows of a task
 constexpr double largest_fill = 2;  // entries of blocks over entries of the pattern
 
 void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
-    csr_ = &pattern;
+    csr_ = &pattern, blocks_of_ = &blocks;
     partition(blocks.node, blocks.place);
     make_pattern();
     if (static_cast<double>(a_.n_values()) > largest_fill * static_cast<double>(pattern.col.size())) {
@@ -24,15 +24,16 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
     const auto is_algebraic = [](char of) { return of != 0; };
     borrows_ = pattern.n >= borrow_from_ &&
                std::none_of(blocks.algebraic.begin(), blocks.algebraic.end(), is_algebraic);
-    if (!borrows_) a_.allocate();
+    if (borrows_)
+        a_.value = {};
+    else
+        a_.allocate();
     shared_.assign(a_.n(), 0);
     for (int b = 0; b < a_.n(); ++b) shared_[b] = share_columns(b);
     if (is_single_) {
         single_.rows = a_.rows, single_.cols = a_.cols, single_.row = a_.row, single_.col = a_.col;
         single_.allocate(), x_.resize(size()), y_.resize(size());
     }
-    n_modes_ = blocks.n_modes;
-    modes_.assign(size() * n_modes_, 0.0);
     algebraic_.assign(a_.n(), 0);
     level_.assign(a_.n(), 1.0);
     kinds_.assign(size(), Kind::filling), block_.resize(pattern.n);
@@ -42,9 +43,15 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
         kinds_[slot_[i]] = algebraic ? Kind::algebraic : Kind::differential;
         if (algebraic) algebraic_[block_[i]] = 1;
     }
-    for (int i = 0; i < pattern.n; ++i)
-        std::copy_n(blocks.modes.data() + static_cast<std::size_t>(i) * n_modes_, n_modes_,
-                    modes_.data() + static_cast<std::size_t>(slot_[i]) * n_modes_);
+}
+
+std::vector<double> NodeMatrix::modes() const {
+    const int n = n_modes();
+    std::vector<double> by_slot(size() * n, 0.0);
+    for (int i = 0; i < csr_->n; ++i)
+        std::copy_n(blocks_of_->modes.data() + static_cast<std::size_t>(i) * n, n,
+                    by_slot.data() + static_cast<std::size_t>(slot_[i]) * n);
+    return by_slot;
 }
 
 // Blocks have the size that most nodes have, or those together that stand at one place; larger ones are cut

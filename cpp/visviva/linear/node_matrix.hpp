@@ -17,7 +17,7 @@ class NodeMatrix {
     // `level`: rows of constraints are multiplied by the stiffness along them, so that one measure tells of
     // both kinds of residual: the shorter the step, the larger the forces that close the same gap.
     // `borrow_from`: from that many equations on values stay where fill() found them, as a second copy takes
-    // a fifth of all memory and saves a tenth of the time; not of matrices with constraints or pressures.
+    // much memory and saves a tenth of the time; not of matrices with constraints or pressures.
     explicit NodeMatrix(bool single = false, bool level = false, int borrow_from = never)
         : is_single_(single), levels_(level), borrow_from_(borrow_from) {}
     static constexpr int never = std::numeric_limits<int>::max();
@@ -28,8 +28,8 @@ class NodeMatrix {
     bool borrows() const { return borrows_; }
     BlockReader reader() const;
     std::size_t size() const { return a_.size(); }
-    const std::vector<double>& modes() const { return modes_; }  // [slot][n_modes]
-    int n_modes() const { return n_modes_; }
+    std::vector<double> modes() const;  // [slot][n_modes], made for this call
+    int n_modes() const { return blocks_of_->n_modes; }
     const std::vector<char>& algebraic() const { return algebraic_; }  // by block row
     // By slot, and what no equation fills.
     enum class Kind : char { filling, differential, algebraic };
@@ -53,6 +53,7 @@ class NodeMatrix {
     void multiply_borrowed(const double* x, double* y) const;
 
     const Csr* csr_ = nullptr;
+    const Blocks* blocks_of_ = nullptr;
     BlockRows<double> a_;
     bool is_single_, levels_, borrows_ = false;
     int borrow_from_;
@@ -65,12 +66,10 @@ class NodeMatrix {
     std::vector<int> slot_;   // of every equation
     std::vector<int> order_;  // equations in the order of block rows
     std::vector<int> first_;  // of every block row in that order, and n
-    std::vector<double> modes_;
     std::vector<char> algebraic_;
     std::vector<Kind> kinds_;
     std::vector<int> block_;    // block row of every equation
     std::vector<char> shared_;  // by block row: its rows have the same columns
-    int n_modes_ = 0;
 };
 
 }  // namespace visviva

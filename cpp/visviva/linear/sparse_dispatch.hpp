@@ -13,6 +13,7 @@ struct SparseKernels {
     // c (rows x cols) += a (rows x inner, by columns) b (inner x cols); b and c by rows. A block by rows,
     // taken as one by columns, is its transpose.
     void (*add_product)(const double* a, const double* b, double* c, int rows, int inner, int cols);
+    void (*add_product_single)(const double* a, const float* b, double* c, int rows, int inner, int cols);
 };
 
 const SparseKernels& sparse_kernels();

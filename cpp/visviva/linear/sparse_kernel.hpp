@@ -37,8 +37,8 @@ void multiply_blocks(const BlockView<T>& a, const T* x, T* y, int begin, int end
     }
 }
 
-template <int rows, int inner, int cols>
-void add_product_of(const double* a, const double* b, double* c) {
+template <int rows, int inner, int cols, class B>
+void add_product_of(const double* a, const B* b, double* c) {
     for (int r = 0; r < rows; ++r, c += cols) {
         double sum[cols];
         for (int j = 0; j < cols; ++j) sum[j] = c[j];
@@ -48,7 +48,8 @@ void add_product_of(const double* a, const double* b, double* c) {
     }
 }
 
-inline void add_product(const double* a, const double* b, double* c, int rows, int inner, int cols) {
+template <class B>
+void add_product(const double* a, const B* b, double* c, int rows, int inner, int cols) {
     auto is = [&](int r, int k, int n) { return rows == r && inner == k && cols == n; };
     if (is(3, 3, 6)) return add_product_of<3, 3, 6>(a, b, c);
     if (is(6, 3, 6)) return add_product_of<6, 3, 6>(a, b, c);

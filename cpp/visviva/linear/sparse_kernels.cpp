@@ -7,7 +7,10 @@
 namespace visviva::VISVIVA_ISA {
 
 extern const SparseKernels sparse_table;
-const SparseKernels sparse_table = {
-    {lu_factor, lu_solve}, block_multiply<double>, block_multiply<float>, add_product};
+const SparseKernels sparse_table = {{lu_factor, lu_solve},
+                                    block_multiply<double>,
+                                    block_multiply<float>,
+                                    add_product<double>,
+                                    add_product<float>};
 
 }  // namespace visviva::VISVIVA_ISA

@@ -12,6 +12,14 @@ inline constexpr int solid_lanes = 8;
 inline constexpr int solid_common_nodes = 27;
 inline constexpr int solid_max_nodes = 125;  // splines of degree 4 in space
 inline constexpr int solid_max_pressures = 6;
+inline constexpr int brick_points = 8;
+
+/// What is the same for all bricks of one density: gradients of the shape functions in the unit cell
+/// [point][node][3], weights of the points, and products of shape functions [point][a <= b], packed, times
+/// the density.
+struct BrickShapes {
+    double slopes[brick_points * 8 * 3], weight[brick_points], mass[brick_points * 36];
+};
 
 struct SolidView {
     int n = 0, n_blocks = 0;        // elements, blocks
@@ -21,13 +29,18 @@ struct SolidView {
     bool small = false;         // strains linear in the displacements
     bool start_stress = false;  // geometric stiffness under discrete gradients by the stress of the start
     bool damped = false;
-    bool plane_stress = false;        // in two dimensions: no stress across the plane
-    const int* index = nullptr;       // [node] first unknown of the node
+    bool plane_stress = false;   // in two dimensions: no stress across the plane
+    const int* index = nullptr;  // [node] first unknown of the node
+    // Bricks: [node][3] where they are in the reference, from which the next three follow, and what they
+    // share
+    const double* X = nullptr;
+    const BrickShapes* brick = nullptr;
+    bool has_mass = false;
     const double* G = nullptr;        // [point][node][dim] gradients of the shape functions in the reference
     const double* H = nullptr;        // [point][node] weights of the hoop stretch, or null
     const double* w = nullptr;        // [point] reference volume
     const double* thermal = nullptr;  // [point] strain that heat alone would leave, or null
-    const double* mass = nullptr;     // [a <= b] packed
+    const double* mass = nullptr;     // [a <= b] packed, kept for all but bricks whose mass is not lumped
     const double* par = nullptr;      // [parameter]
     const double* damping = nullptr;  // [3]: per mass, bulk-like and shear viscosity (lambda, mu)
     // F-bar: gradients and weights at the element's centre, [node][dim] and [node]

@@ -3,11 +3,9 @@
 #include "visviva/base/aligned.hpp"
 #include "visviva/material/discrete_gradient.hpp"
 #include "visviva/material/wrapped.hpp"
-#include "visviva/solid/solid.hpp"
+#include "visviva/solid/solid_geometry.hpp"
 
 namespace visviva::VISVIVA_ISA {
-
-constexpr int L8 = solid_lanes;
 
 /// Input and output of a point's stress.
 struct SolidPoint {
@@ -23,23 +21,20 @@ VISVIVA_INLINE V determinant(const V* F) {
 }
 
 template <int D, int N>
-struct SolidElement {
-    const SolidView& v;
+struct SolidElement : SolidGeometry<D, N> {
+    using Geometry = SolidGeometry<D, N>;
+    using Geometry::v, Geometry::block, Geometry::lane, Geometry::nodes, Geometry::stride,
+        Geometry::gradients, Geometry::volume, Geometry::mass;
     const Step& step;
     const Vectors& x;
-    const int block, lane;  // lane: first of the W lanes
-    const int n_nodes;
     const bool ends;  // the state at the end of the step alone decides: there is no x0
     static constexpr int max_nodes = N > 0 ? N : solid_max_nodes;
     alignas(64) V x0[max_nodes * D], x1[max_nodes * D];
 
     VISVIVA_INLINE SolidElement(const SolidView& view, const Step& s, const Vectors& vectors, int b, int l)
-        : v(view),
+        : Geometry(view, b, l),
           step(s),
           x(vectors),
-          block(b),
-          lane(l),
-          n_nodes(N > 0 ? N : view.n_nodes),
           ends(s.theta == 1.0 && s.stress == Stress::at_theta && !view.damped &&
                view.kind != MaterialKind::user) {
         for (int a = 0; a < nodes(); ++a)
@@ -49,30 +44,20 @@ struct SolidElement {
     }
     // Number of the W lanes that hold elements; none or less in groups that fill the last block.
     VISVIVA_INLINE int active() const { return v.n - block * L8 - lane < W ? v.n - block * L8 - lane : W; }
-    VISVIVA_INLINE int nodes() const { return N > 0 ? N : n_nodes; }
     VISVIVA_INLINE const int* index(int a) const { return v.index + (block * nodes() + a) * L8 + lane; }
     VISVIVA_INLINE const int* pressure_index(int k) const {
         return v.pressure_index + (block * v.n_pressures + k) * L8 + lane;
     }
     VISVIVA_INLINE V at(const double* u, int a, int c) const { return gather(u + c, index(a)); }
-    VISVIVA_INLINE const double* gradients(int q) const {
-        return v.G + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes()) * D * L8 + lane;
-    }
-    VISVIVA_INLINE V volume(int q) const { return vload(v.w + point(q)); }
     VISVIVA_INLINE V hoop(int q, int a) const {
         return vload(v.H + ((static_cast<std::int64_t>(block) * v.n_points + q) * nodes() + a) * L8 + lane);
     }
     VISVIVA_INLINE V parameter(int k) const { return vload(v.par + (block * v.n_par + k) * L8 + lane); }
-    VISVIVA_INLINE V mass(int a, int b) const {
-        const int pairs = nodes() * (nodes() + 1) / 2,
-                  k = a < b ? packed(nodes(), a, b) : packed(nodes(), b, a);
-        return vload(v.mass + (static_cast<std::int64_t>(block) * pairs + k) * L8 + lane);
-    }
     VISVIVA_INLINE V viscosity(int k) const { return vload(v.damping + (block * 3 + k) * L8 + lane); }
 
     // Share of the inertia and of its damping in the tangent's diagonal
     VISVIVA_INLINE V mass_factor(int a, int b) const {
-        if (!v.mass) return V{};
+        if (!v.has_mass) return V{};
         const V m = mass(a, b), inertial = step.motion[1][0] * m;
         return v.damped ? inertial + step.motion[0][0] * viscosity(0) * m : inertial;
     }
@@ -84,7 +69,7 @@ struct SolidElement {
         for (int a = 0; a < nodes(); ++a) {
             VISVIVA_FLATTEN
             for (int l = 0; l < D; ++l) {
-                const V g = vload(G + (a * D + l) * L8);
+                const V g = vload(G + (a * D + l) * stride);
                 VISVIVA_FLATTEN
                 for (int i = 0; i < D; ++i) sum[3 * i + l] += u[a * D + i] * g;
             }
@@ -269,7 +254,7 @@ struct SolidElement {
             for (int i = 0; i < D; ++i) {
                 V sum = r[a * D + i];
                 VISVIVA_FLATTEN
-                for (int l = 0; l < D; ++l) sum += P[3 * i + l] * vload(G + (a * D + l) * L8);
+                for (int l = 0; l < D; ++l) sum += P[3 * i + l] * vload(G + (a * D + l) * stride);
                 r[a * D + i] = sum;
             }
             if (D == 2 && v.H) r[a * D] += P[8] * hoop(q, a);
@@ -291,7 +276,7 @@ struct SolidElement {
     // correction of the points' forces
     VISVIVA_INLINE void finish(V* r, V smallest) const {
         vstore(v.smallest + block * L8 + lane, smallest);
-        if (v.mass) inertia(r);
+        if (v.has_mass) inertia(r);
     }
 
     VISVIVA_INLINE void inertia(V* r) const {

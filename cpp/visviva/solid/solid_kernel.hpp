@@ -16,7 +16,7 @@ void each_element_of(const SolidView& v, const Step& step, const Vectors& x, int
 template <class F>
 void each_element(const SolidView& v, const Step& step, const Vectors& x, int begin, int end, F&& work) {
     if (v.dim == 2) return each_element_of<2, 0>(v, step, x, begin, end, work);
-    if (v.n_nodes == 8) return each_element_of<3, 8>(v, step, x, begin, end, work);
+    if (v.X) return each_element_of<3, 8>(v, step, x, begin, end, work);
     if (v.n_nodes == 4) return each_element_of<3, 4>(v, step, x, begin, end, work);
     return each_element_of<3, 0>(v, step, x, begin, end, work);
 }
@@ -47,6 +47,18 @@ void solid_tangent(const SolidView& v, const Step& step, const Vectors& x, int b
     });
 }
 
+// Adds what a node moves, times its share of mass, and the force by which that is damped.
+template <int D, int N>
+VISVIVA_INLINE void add_momentum(const SolidElement<D, N>& e, const double* v1, bool by_mean, V mass, int b,
+                                 V* momentum, V* damping) {
+    for (int c = 0; c < D; ++c) {
+        momentum[c] += mass * e.at(v1, b, c);
+        if (!e.v.damped) continue;
+        const V mean = (e.x1[b * D + c] - e.x0[b * D + c]) / e.step.h;
+        damping[c] += e.viscosity(0) * mass * (by_mean ? mean : e.at(e.x.rate, b, c));
+    }
+}
+
 // Energies, work of damping and momenta of W elements.
 template <int D, int N>
 VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const double* v1, V* row) {
@@ -71,16 +83,10 @@ VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const doub
         e.piola(p.Ft, p.viscous, e.volume(q), P);
         for (int k = 0; k < 9; ++k) row[2] -= P[k] * (F[k] - F0[k]);
     }
-    for (int a = 0; v.mass && a < e.nodes(); ++a) {
+    for (int a = 0; v.has_mass && a < e.nodes(); ++a) {
         V p[3] = {}, damping[3] = {}, place[3] = {};
         for (int c = 0; c < D; ++c) place[c] = e.x1[a * D + c];
-        for (int b = 0; b < e.nodes(); ++b)
-            for (int c = 0; c < D; ++c) {
-                p[c] += e.mass(a, b) * e.at(v1, b, c);
-                if (!v.damped) continue;
-                const V mean = (e.x1[b * D + c] - e.x0[b * D + c]) / e.step.h;
-                damping[c] += e.viscosity(0) * e.mass(a, b) * (by_mean ? mean : e.at(e.x.rate, b, c));
-            }
+        for (int b = 0; b < e.nodes(); ++b) add_momentum(e, v1, by_mean, e.mass(a, b), b, p, damping);
         for (int c = 0; c < D; ++c) {
             row[1] += 0.5 * e.at(v1, a, c) * p[c];
             row[2] -= damping[c] * (e.x1[a * D + c] - e.x0[a * D + c]);
@@ -92,14 +98,15 @@ VISVIVA_INLINE void solid_ledger_rows_of(const SolidElement<D, N>& e, const doub
     }
 }
 
-// Rows of `out` [solid_ledger_rows][stride]; see solid.hpp.
+// out [solid_ledger_rows][block - begin][8]; see solid.hpp.
 void solid_ledger(const SolidView& v, const Step& step, const Vectors& x, const double* v1, int begin,
                   int end, double* out) {
-    const std::int64_t stride = static_cast<std::int64_t>(v.n_blocks) * L8;
+    const std::int64_t stride = static_cast<std::int64_t>(end - begin) * L8;
     each_element(v, step, x, begin, end, [=]<int D, int N>(const SolidElement<D, N>& e) {
         V row[solid_ledger_rows];
         solid_ledger_rows_of(e, v1, row);
-        for (int k = 0; k < solid_ledger_rows; ++k) vstore(out + k * stride + e.block * L8 + e.lane, row[k]);
+        for (int k = 0; k < solid_ledger_rows; ++k)
+            vstore(out + k * stride + (e.block - begin) * L8 + e.lane, row[k]);
     });
 }
 

@@ -58,7 +58,7 @@ struct Mixed {
     static void energy(const SolidView& v, const Step& step, const Vectors& x, int begin, int end,
                        double* out) {
         for_mixed<Map>(v, step, x, begin, end, [&](auto& element, int block, int lane, int) {
-            vstore(out + block * L8 + lane, element.energy());
+            vstore(out + (block - begin) * L8 + lane, element.energy());
         });
     }
 

@@ -48,7 +48,7 @@ struct SolidRows {
         const int n_columns = at.nodes() * D;
         for (int a = 0; a < at.nodes(); ++a) {
             V g[3] = {};
-            for (int l = 0; l < D; ++l) g[l] = vload(at.gradients(q) + (a * D + l) * L8);
+            for (int l = 0; l < D; ++l) g[l] = vload(at.gradients(q) + (a * D + l) * at.stride);
             for (int i = 0; i < D; ++i)
                 for (int k = 0; k < 6; ++k) {
                     const int l = voigt_a[k], m = voigt_b[k];
@@ -89,7 +89,8 @@ struct SolidRows {
                 V sum{};
                 for (int l = 0; l < D; ++l)
                     for (int m = 0; m < D; ++m)
-                        sum += vload(G + (a * D + l) * L8) * S[voigt[l][m]] * vload(G + (b * D + m) * L8);
+                        sum += vload(G + (a * D + l) * at.stride) * S[voigt[l][m]] *
+                               vload(G + (b * D + m) * at.stride);
                 sum *= factor * e.step.theta;
                 for (int i = 0; i < D; ++i) K[(a * D + i) * n_unknowns + b * D + i] += sum;
                 if (D == 2 && v.H)

@@ -79,8 +79,8 @@ struct SpatialTangent : SolidBlocks<3, N> {
         invert(F, inverse);
         const double* G = e.gradients(q);
         for (int a = 0; a < e.nodes(); ++a) {
-            const V G0 = vload(G + 3 * a * L8), G1 = vload(G + (3 * a + 1) * L8),
-                    G2 = vload(G + (3 * a + 2) * L8);
+            const V G0 = vload(G + 3 * a * e.stride), G1 = vload(G + (3 * a + 1) * e.stride),
+                    G2 = vload(G + (3 * a + 2) * e.stride);
             VISVIVA_FLATTEN
             for (int i = 0; i < 3; ++i)
                 gradients[3 * a + i] = inverse[i] * G0 + inverse[3 + i] * G1 + inverse[6 + i] * G2;

@@ -121,10 +121,10 @@ struct SolidTangent : SolidBlocks<D, N> {
     template <int n>
     VISVIVA_INLINE void left(int first, int end, int a) {
         for (int q = first; q < end; ++q) {
-            const double* G = e.gradients(q) + a * D * L8;
+            const double* G = e.gradients(q) + a * D * e.stride;
             V g[n * D];
             VISVIVA_FLATTEN
-            for (int l = 0; l < n * D; ++l) g[l] = vload(G + l * L8);
+            for (int l = 0; l < n * D; ++l) g[l] = vload(G + l * e.stride);
             const V* M = A + 81 * (q - first);
             V* t = T + (q - first) * rows * factor;
             VISVIVA_FLATTEN
@@ -157,10 +157,10 @@ struct SolidTangent : SolidBlocks<D, N> {
                 sum[k] = first > 0 ? to[k] : k % (D * D) % (D + 1) == 0 ? m : V{};
         }
         for (int q = first; q < end; ++q, t += rows * factor) {
-            const double* G = e.gradients(q) + b * D * L8;
+            const double* G = e.gradients(q) + b * D * e.stride;
             V g[n * D];
             VISVIVA_FLATTEN
-            for (int k = 0; k < n * D; ++k) g[k] = vload(G + k * L8);
+            for (int k = 0; k < n * D; ++k) g[k] = vload(G + k * e.stride);
             VISVIVA_FLATTEN
             for (int j = 0; j < D; ++j) VISVIVA_FLATTEN
             for (int m = 0; m < D; ++m) VISVIVA_FLATTEN
@@ -183,8 +183,8 @@ struct SolidTangent : SolidBlocks<D, N> {
             K[0] += ha * hb * M[80];
             for (int j = 0; j < D; ++j)
                 for (int n = 0; n < D; ++n) {
-                    K[j] += ha * vload(G + (b * D + n) * L8) * M[(3 * j + n) * 9 + 8];
-                    K[j * D] += vload(G + (a * D + n) * L8) * hb * M[8 * 9 + 3 * j + n];
+                    K[j] += ha * vload(G + (b * D + n) * e.stride) * M[(3 * j + n) * 9 + 8];
+                    K[j * D] += vload(G + (a * D + n) * e.stride) * hb * M[8 * 9 + 3 * j + n];
                 }
         }
     }

@@ -9,34 +9,50 @@ namespace visviva {
 namespace {
 
 constexpr int L8 = solid_lanes, task_blocks = 16;  // of tasks that write apart from each other
+
+template <class Array>
+auto kept(const Array& a) {
+    return a.empty() ? nullptr : a.data();
+}
 }  // namespace
 
 SolidTerm::SolidTerm(const SolidData& d)
     : slots_(d.index, d.n, d.n_nodes + d.n_pressures, d.n_nodes + d.n_pressures) {
-    const int na = d.n_nodes, nq = d.n_points;
+    const int na = d.n_nodes;
     if (na > solid_max_nodes) throw std::invalid_argument("an element has too many nodes");
     const int *from = slots_.index(), *end = from + std::int64_t{slots_.n_blocks()} * slots_.n_slots() * L8;
-    for (; from != end; from += slots_.n_slots() * L8) {
+    for (; d.n_pressures && from != end; from += slots_.n_slots() * L8) {
         index_.insert(index_.end(), from, from + na * L8);
         pressure_index_.insert(pressure_index_.end(), from + na * L8, from + slots_.n_slots() * L8);
     }
-    in_lanes(G_, d.gradients, static_cast<std::int64_t>(nq) * na * d.dim, d.n);
-    in_lanes(H_, d.hoop, static_cast<std::int64_t>(nq) * na, d.n);
-    in_lanes(w_, d.volume, nq, d.n);
-    in_lanes(mass_, d.mass, na * (na + 1) / 2, d.n);
+    keep_geometry(d);
     in_lanes(par_, d.par, d.n_par, d.n);
     in_lanes(damping_, d.damping, 3, d.n);
-    auto data = [](const auto& a) { return a.empty() ? nullptr : a.data(); };
     SolidView& v = view_;
-    v.n = d.n, v.n_blocks = slots_.n_blocks(), v.n_nodes = na, v.n_points = nq, v.dim = d.dim;
+    v.n = d.n, v.n_blocks = slots_.n_blocks(), v.n_nodes = na, v.n_points = d.n_points, v.dim = d.dim;
     v.n_pressures = d.n_pressures, v.n_par = d.n_par, v.kind = d.kind, v.small = d.small,
     v.damped = needs_rates = d.damping != nullptr;
-    v.index = data(index_), v.pressure_index = data(pressure_index_), v.G = data(G_), v.H = data(H_),
-    v.w = data(w_), v.mass = data(mass_);
-    v.par = data(par_), v.damping = data(damping_);
-    out_.assign(static_cast<std::size_t>(solid_ledger_rows) * v.n_blocks * L8, 0.0);
+    v.index = d.n_pressures ? kept(index_) : slots_.index();
+    v.pressure_index = kept(pressure_index_);
+    v.par = kept(par_), v.damping = kept(damping_);
     smallest_.assign(static_cast<std::size_t>(v.n_blocks) * L8, 1.0);
     v.smallest = smallest_.data();
+}
+
+void SolidTerm::keep_geometry(const SolidData& d) {
+    const std::int64_t na = d.n_nodes, nq = d.n_points;
+    in_lanes(X_, d.places, na * 3, d.n);
+    in_lanes(G_, d.gradients, nq * na * d.dim, d.n);
+    in_lanes(H_, d.hoop, nq * na, d.n);
+    in_lanes(w_, d.volume, nq, d.n);
+    in_lanes(mass_, d.mass, na * (na + 1) / 2, d.n);
+    if (d.places) {
+        std::copy_n(d.slopes, std::size(brick_.slopes), brick_.slopes);
+        std::copy_n(d.weight, std::size(brick_.weight), brick_.weight);
+        if (d.mass_shapes) std::copy_n(d.mass_shapes, std::size(brick_.mass), brick_.mass);
+    }
+    view_.X = kept(X_), view_.brick = &brick_, view_.has_mass = d.mass || d.mass_shapes;
+    view_.G = kept(G_), view_.H = kept(H_), view_.w = kept(w_), view_.mass = kept(mass_);
 }
 
 void SolidTerm::set_centre(const double* gradients, const double* hoop) {
@@ -140,14 +156,19 @@ void SolidTerm::linearise(const Context& c, double* r, double* values) {
 
 void SolidTerm::ledger(const Context& c, const double* v1, LedgerSums& sums) {
     call_back(c, false);
+    std::vector<double> of_block(static_cast<std::size_t>(solid_ledger_rows) * view_.n_blocks);
     slots_.for_tasks([&](int begin, int end) {
-        solid_kernels().ledger(view_, c.step, c.vectors, v1, begin, end, out_.data());
-        if (mixed_) mixed_->energy(view_, c.step, c.vectors, begin, end, out_.data());  // instead of row 0
+        const std::size_t stride = static_cast<std::size_t>(end - begin) * L8;
+        Aligned<double> rows(solid_ledger_rows * stride);
+        solid_kernels().ledger(view_, c.step, c.vectors, v1, begin, end, rows.data());
+        if (mixed_) mixed_->energy(view_, c.step, c.vectors, begin, end, rows.data());  // instead of row 0
+        for (int k = 0; k < solid_ledger_rows; ++k)
+            for (int e = begin * L8; e < std::min(end * L8, view_.n); ++e)
+                of_block[static_cast<std::size_t>(k) * view_.n_blocks + e / L8] +=
+                    rows[k * stride + e - begin * L8];
     });
-    const std::size_t stride = static_cast<std::size_t>(view_.n_blocks) * L8;
     double total[solid_ledger_rows] = {};
-    for (int k = 0; k < 9; ++k)
-        for (int e = 0; e < view_.n; ++e) total[k] += out_[k * stride + e];
+    for (std::size_t k = 0; k < of_block.size(); ++k) total[k / view_.n_blocks] += of_block[k];
     sums.energy[strain_account] += total[0];
     if (kinetic_account >= 0) sums.energy[kinetic_account] += total[1];
     if (damping_account >= 0) sums.work[damping_account] += total[2];
@@ -162,7 +183,7 @@ void SolidTerm::at_rest(At kernel, const double* x, int begin, int end, std::int
     call_back({step, vectors, {}}, false);
     Aligned<double> smallest(smallest_.size());
     SolidView still = view_;
-    still.mass = nullptr, still.damped = false, still.smallest = smallest.data();
+    still.has_mass = false, still.damped = false, still.smallest = smallest.data();
     const int first = begin / L8, last = (end + L8 - 1) / L8;
     parallel_for((last - first + task_blocks - 1) / task_blocks, [&](int task) {
         const int from = first + task * task_blocks;

@@ -20,6 +20,9 @@ struct SolidData {
     const double *gradients, *hoop,
         *volume;  // [element][point][node][dim], [element][point][node], [element][point]
     const double *mass, *par, *damping;  // [element][pair], [element][parameter], [element][3]
+    // Of bricks, in place of gradients and volumes: [element][node][3], see BrickShapes; without mass or with
+    // `mass` null
+    const double *places, *slopes, *weight, *mass_shapes;
 };
 
 class SolidTerm : public Term, public MeshAssembly {
@@ -63,6 +66,7 @@ class SolidTerm : public Term, public MeshAssembly {
     std::vector<int> numbers;  // [element] within its component, for messages
 
   private:
+    void keep_geometry(const SolidData& data);
     void call_back(const Context&, bool want_tangent);
     void strains_at_centres(const Context&);
     using At = void (*)(const SolidView&, const Step&, const Vectors&, int begin, int end, double* out);
@@ -71,9 +75,10 @@ class SolidTerm : public Term, public MeshAssembly {
 
     Slots slots_;  // nodes, then pressures
     SolidView view_;
+    BrickShapes brick_;
     const MixedKernels* mixed_ = nullptr;
     LawCallback callback_;
-    Aligned<double> G_, H_, w_, thermal_, mass_, par_, damping_, out_, smallest_;
+    Aligned<double> X_, G_, H_, w_, thermal_, mass_, par_, damping_, smallest_;
     Aligned<double> centre_G_, centre_H_, shape_, compliance_;
     Aligned<double> c0_, ct_, c1_, user_W_, user_S_, user_D_;
     std::vector<int> index_, pressure_index_;

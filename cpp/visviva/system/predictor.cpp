@@ -166,6 +166,9 @@ void Predictor::record(const double* x0, const double* dx, double h) {
 }
 
 void Predictor::write(std::vector<double>& memory) const {
+    std::size_t size = 1;
+    for (const auto* part : {&motion_, &multiplier_, &turn_}) size += part->written();
+    memory.reserve(memory.size() + size);
     memory.push_back(h_);
     for (const auto* part : {&motion_, &multiplier_, &turn_}) part->write(memory);
 }

@@ -20,6 +20,7 @@ class Extrapolation {
     void next(double* x) const;
     double largest() const;  // of the last, by weight
 
+    std::size_t written() const { return 3 + most * weight_.size(); }
     void write(std::vector<double>& memory) const;
     const double* read(const double* memory);
 

@@ -396,6 +396,13 @@ void System::evaluate(const Step& step, const Signals& signals, bool with_mesh_t
 }
 
 void System::assemble(const Step& step, const Signals& signals, double* residual, double* values) {
+    // A solver may have those of its own tangent from where they are.
+    std::vector<double> looked_at;
+    const bool apart = values && !factored_state_.empty();
+    if (apart) looked_at.resize(values_.size()), values_.swap(looked_at);
+    const AtExit back([&] {
+        if (apart) values_.swap(looked_at);
+    });
     evaluate(step, signals, values != nullptr);
     std::copy(r_.begin(), r_.begin() + n_, residual);
     if (!values) return;

@@ -19,7 +19,7 @@ from visviva.body.formulation import Formulation
 from visviva.body.inverted import flattest
 from visviva.body.mesh_body import MeshBody
 from visviva.body.solid_fields import QUANTITIES, Evaluated, Fields, evaluated, quantity, smoothed
-from visviva.body.solid_term import Elements, own_energy, rayleigh, shared_out, whole
+from visviva.body.solid_term import Elements, brick_term, own_energy, rayleigh, shared_out, whole
 from visviva.component.announcements import SharedOut, Wetting, shared_numbers
 from visviva.component.component import settings
 from visviva.component.meshed import refuse_thickness
@@ -248,7 +248,8 @@ class Solid(MeshBody):
         first = 0
         for cell, nodes in self.grid.cells.items():
             some = np.flatnonzero(own[first : first + len(nodes)])
-            elements = self._elements_of(model, cell, nodes[some], first, some)
+            here = nodes if len(some) == len(nodes) else nodes[some]
+            elements = self._elements_of(model, cell, here, first, some)
             model.batch(elements.term)  # of none too: all processes number their terms alike
             if self._is_shared_out:
                 model.announce(self, SharedOut(elements.term))
@@ -259,6 +260,33 @@ class Solid(MeshBody):
 
     def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
         """Elements with their nodes (m, k), some of those of their type, numbered from `first`, and their term."""
+        if cell == "hex8" and self.formulation == "displacement":
+            term, volume = self._bricks(nodes)
+        else:
+            term, volume = self._kept(cell, nodes, first, some)
+        term.name = self.label
+        thermal = (
+            self._thermal(cell, nodes, solid_rule(self.grid.points, nodes, cell)) if self._is_heated else None
+        )
+        self._complete(term, cell, nodes, thermal)
+        numbers = first + some
+        term.book_solid(*self._open_accounts(model), model.index(self), numbers.astype(np.int32))
+        return Elements(cell=cell, nodes=nodes, numbers=numbers, thermal=thermal, term=term, volume=volume)
+
+    def _bricks(self, nodes: Ints) -> tuple[Any, Array]:
+        """Term of bricks (m, 8), which works out gradients and masses by itself, and volumes (m, q) of its points."""
+        return brick_term(
+            self.body_material,
+            self.node_unknowns(nodes),
+            self.grid.points,
+            nodes,
+            0.0 if self.lumped else self.density,
+            self._cell_masses("hex8", nodes) if self.lumped and self.density > 0 else None,
+            self._damping(len(nodes)),
+        )
+
+    def _kept(self, cell: str, nodes: Ints, first: int, some: Ints) -> tuple[Any, Array]:
+        """Term that keeps gradients and masses, and volumes (m, q) of its points."""
         points, d = self.grid.points, self.dimension
         g = self._geometry(cell, nodes)
         index, parameters = self.node_unknowns(nodes), self.body_material.parameters(len(nodes))
@@ -275,13 +303,7 @@ class Solid(MeshBody):
             index = np.hstack([index, self._inner.start + self._pressure_numbers[cell][some]])
         index = np.ascontiguousarray(index, dtype=np.int32)
         arrays = g.gradients, g.volume, parameters, g.hoop, mass, self._damping(len(nodes))
-        term = _core.SolidTerm(int(kind), self.body_material.small, index, *arrays)
-        term.name = self.label
-        thermal = self._thermal(cell, nodes, solid_rule(points, nodes, cell)) if self._is_heated else None
-        self._complete(term, cell, nodes, thermal)
-        numbers = first + some
-        term.book_solid(*self._open_accounts(model), model.index(self), numbers.astype(np.int32))
-        return Elements(cell=cell, nodes=nodes, numbers=numbers, thermal=thermal, term=term, volume=g.volume)
+        return _core.SolidTerm(int(kind), self.body_material.small, index, *arrays), g.volume
 
     @property
     def _is_damped(self) -> bool:
@@ -365,6 +387,8 @@ class Solid(MeshBody):
     def _whole(self, values: Sequence[Array], numbers: Sequence[Ints]) -> Array:
         """Values (m, ...) of all elements from those of the elements here, by their numbers."""
         alone = world().size == 1 or not self._is_shared_out
+        if alone and len(values) == 1:
+            return values[0]
         return np.concatenate(values) if alone else whole(values, numbers)
 
     def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:

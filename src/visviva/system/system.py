@@ -428,7 +428,8 @@ class System(metaclass=Named):
     def pattern(self) -> Pattern:
         """Rows and columns of the tangent's compressed rows, and the unknown of every row.
 
-        Contact brings new neighbours together, and then it changes. In one process columns are the core's own.
+        Contact brings new neighbours together, and then it changes. In one process columns are the core's own, which
+        last until it does: copy what is kept longer.
         """
         if self._pattern is None or self._pattern[0] != self.core.revision:
             row, col, unknown = whole_rows(self.core)[0]

@@ -51,13 +51,17 @@ void join(std::vector<Rows>& parts, Rows& whole, Values values) {
 
 }  // namespace
 
-BlockRows<float> Prolongation::up() const {
+BlockRows<float> Prolongation::up() && {
     BlockRows<float> b;
-    b.rows = rows, b.cols = cols, b.row = row, b.col = col;
-    b.allocate();
-    for (std::size_t k = 0; k < col.size(); ++k)
+    b.rows = rows, b.cols = cols, b.row = std::move(row), b.col = std::move(col), b.value = std::move(block);
+    std::vector<float> by_rows(static_cast<std::size_t>(rows) * cols);
+    for (std::size_t k = 0; k < b.col.size(); ++k) {
+        float* to = b.block(static_cast<std::int64_t>(k));
+        std::copy_n(to, by_rows.size(), by_rows.data());
         for (int r = 0; r < rows; ++r)
-            for (int c = 0; c < cols; ++c) b.block(k)[c * rows + r] = static_cast<float>(at(k)[r * cols + c]);
+            for (int c = 0; c < cols; ++c) to[c * rows + r] = by_rows[r * cols + c];
+    }
+    b.value.resize(b.n_values() + b.padding, 0.0F);
     return b;
 }
 
@@ -74,8 +78,7 @@ BlockRows<float> Prolongation::down() const {
         for (auto k = row[i]; k < row[i + 1]; ++k) {
             const auto to = next[col[k]]++;
             b.col[to] = i;
-            std::transform(at(k), at(k) + rows * cols, b.block(to),
-                           [](double value) { return static_cast<float>(value); });
+            std::copy_n(at(k), rows * cols, b.block(to));
         }
     return b;
 }
@@ -85,27 +88,28 @@ Prolongation smoothed(const BlockReader& matrix, const BlockRows<float>& inverse
     const BlockRows<double>& a = matrix.pattern;
     const int m = a.rows, size = m * tentative.cols, piece = piece_of(a.n());
     const auto add = sparse_kernels().add_product;
+    const auto add_tentative = sparse_kernels().add_product_single;
     const Prolongation empty{tentative.n, m, tentative.cols, {0}, {}, {}};
     std::vector<Prolongation> parts((a.n() + piece - 1) / piece, empty);
     in_pieces(a.n(), piece, [&](int begin, int end) {
         Prolongation& p = parts[begin / piece];
         Row sum(tentative.n, size);
-        std::vector<double> d(static_cast<std::size_t>(m) * m), room;
+        std::vector<double> d(static_cast<std::size_t>(m) * m), own(size), room;
         for (int i = begin; i < end; ++i) {
             const double* block = matrix.row(i, room);
             for (auto k = a.row[i]; k < a.row[i + 1]; ++k, block += m * m)
                 if (const int j = tentative.of[a.col[k]]; j >= 0)
-                    add(block, &tentative.block[static_cast<std::size_t>(a.col[k]) * size], sum.place(j), m,
-                        m, tentative.cols);
+                    add_tentative(block, &tentative.block[static_cast<std::size_t>(a.col[k]) * size],
+                                  sum.place(j), m, m, tentative.cols);
             std::transform(inverse.block(i), inverse.block(i) + m * m, d.begin(),
                            [factor](float value) { return -factor * static_cast<double>(value); });
-            p.col.insert(p.col.end(), sum.col.begin(), sum.col.end());
-            p.block.resize(p.col.size() * size, 0.0);
             for (std::size_t k = 0; k < sum.col.size(); ++k) {
-                double* to = p.at(p.row.back() + static_cast<std::int64_t>(k));
+                std::fill(own.begin(), own.end(), 0.0);
                 if (sum.col[k] == tentative.of[i])
-                    std::copy_n(&tentative.block[static_cast<std::size_t>(i) * size], size, to);
-                add(d.data(), &sum.block[k * size], to, m, m, tentative.cols);
+                    std::copy_n(&tentative.block[static_cast<std::size_t>(i) * size], size, own.begin());
+                add(d.data(), &sum.block[k * size], own.data(), m, m, tentative.cols);
+                p.col.push_back(sum.col[k]);
+                for (const double value : own) p.block.push_back(static_cast<float>(value));
             }
             p.row.push_back(static_cast<std::int64_t>(p.col.size()));
             sum.clear();
@@ -120,7 +124,7 @@ Prolongation smoothed(const BlockReader& matrix, const BlockRows<float>& inverse
 BlockRows<double> coarse_matrix(const BlockReader& matrix, const Prolongation& p) {
     const BlockRows<double>& a = matrix.pattern;
     const int m = p.rows, n = p.cols, piece = piece_of(p.n_coarse);
-    const auto add = sparse_kernels().add_product;
+    const auto add = sparse_kernels().add_product_single;
     std::vector<std::vector<std::pair<int, std::int64_t>>> column(p.n_coarse);  // rows and places in P
     for (int i = 0; i < p.n(); ++i)
         for (auto k = p.row[i]; k < p.row[i + 1]; ++k) column[p.col[k]].push_back({i, k});

@@ -6,19 +6,18 @@
 
 namespace visviva {
 
-// The way up from a coarser level; unlike elsewhere blocks are stored by rows, so that products run along
-// them.
+// The way up from a coarser level, in single precision as the cycle; unlike elsewhere blocks are stored by
+// rows, so that products run along them.
 struct Prolongation {
     int n_coarse = 0, rows = 1, cols = 1;
     std::vector<std::int64_t> row;
     std::vector<int> col;
-    std::vector<double> block;
+    std::vector<float> block;
 
     int n() const { return static_cast<int>(row.size()) - 1; }
-    double* at(std::int64_t k) { return block.data() + k * rows * cols; }
-    const double* at(std::int64_t k) const { return block.data() + k * rows * cols; }
+    const float* at(std::int64_t k) const { return block.data() + k * rows * cols; }
 
-    BlockRows<float> up() const;
+    BlockRows<float> up() &&;       // by columns, in the same memory
     BlockRows<float> down() const;  // its transpose
 };
 

@@ -12,17 +12,16 @@ namespace {
 
 constexpr double single_suffices = 3e-5;  // tolerances that leave room for products in single precision
 
-constexpr int many = 300'000;  // equations whose memory counts for more than a tenth of the time
-
 class Krylov : public LinearSolver {
   public:
     explicit Krylov(const LinearChoice& choice)
         : choice_(choice),
           preconditioning_(make_preconditioning(choice)),
-          matrix_(choice.tolerance >= single_suffices,
-                  choice.preconditioner == Preconditioner::saddle ||
-                      choice.preconditioner == Preconditioner::augmented,
-                  choice.preconditioner == Preconditioner::multigrid ? many : NodeMatrix::never) {
+          matrix_(
+              choice.tolerance >= single_suffices,
+              choice.preconditioner == Preconditioner::saddle ||
+                  choice.preconditioner == Preconditioner::augmented,
+              choice.preconditioner == Preconditioner::multigrid ? choice.borrow_from : NodeMatrix::never) {
         describe();
     }
 

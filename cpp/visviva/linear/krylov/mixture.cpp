@@ -116,7 +116,7 @@ class Mixture : public Preconditioning {
         polynomial_ = std::make_unique<Smoother>(half_, 1.0);
         if (polynomial_->damp_all(reduction) <= highest_degree) return true;
         polynomial_.reset();
-        return grids_->build(half_, nullptr, 0) || (message = grids_->message, false);
+        return grids_->build(half_, {}) || (message = grids_->message, false);
     }
 
     void solve(const Vector& b, Vector& x) {

@@ -61,11 +61,11 @@ class Aggregated : public Grids {
   public:
     explicit Aggregated(const Aggregator& aggregator) : aggregator_(aggregator) {}
 
-    bool build(const BlockReader& finest, const double* modes, int n_modes) override {
+    bool build(const BlockReader& finest, const NearNull& near) override {
         outdated_ = false, usual_ = -1;
         levels_.clear();
         if (!aggregator_) return message = "multigrid needs PyAMG: pip install pyamg", false;
-        if (!has_aggregates_) aggregates_ = aggregator_(finest.pattern, modes, n_modes);
+        if (!has_aggregates_) aggregates_ = aggregator_(finest.pattern, near.modes().data(), near.n);
         has_aggregates_ = true;
         const double largest = largest_of(finest);
         scale_ = largest > 0 ? 1 / largest : 1;
@@ -97,7 +97,7 @@ class Aggregated : public Grids {
         double bytes = 8.0 * static_cast<double>(dense_.size());
         for (const Level& l : levels_)
             bytes += l.smoother.memory() +
-                     8.0 * static_cast<double>(l.prolongation.value.size() + l.restriction.value.size());
+                     4.0 * static_cast<double>(l.prolongation.value.size() + l.restriction.value.size());
         return bytes;
     }
 
@@ -106,11 +106,14 @@ class Aggregated : public Grids {
     BlockRows<double> add_level(const BlockReader& a, const Aggregates& tentative) {
         Smoother smoother(a, scale_);
         smoother.damp_upper();
-        const Prolongation p =
+        Prolongation p =
             smoothed(a, smoother.inverse(), scale_ * prolongation_weight / smoother.upper(), tentative);
+        BlockRows<double> coarse =
+            coarse_matrix(a, p);  // before there are the ways up and down: it takes most
         const Vector room(smoother.size());
-        levels_.push_back({std::move(smoother), p.up(), p.down(), room, room, room});
-        return coarse_matrix(a, p);
+        BlockRows<float> down = p.down();
+        levels_.push_back({std::move(smoother), std::move(p).up(), std::move(down), room, room, room});
+        return coarse;
     }
 
     void cycle(std::size_t k) {
@@ -198,7 +201,7 @@ class Multigrid : public Preconditioning {
 
   private:
     bool build(const BlockReader& a, const NodeMatrix& matrix) {
-        return grids_->build(a, matrix.modes().data(), matrix.n_modes());
+        return grids_->build(a, {matrix.n_modes(), [&matrix] { return matrix.modes(); }});
     }
 
     std::unique_ptr<Grids> grids_;

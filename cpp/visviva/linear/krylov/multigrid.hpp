@@ -1,17 +1,25 @@
 // One V-cycle of algebraic multigrid on aggregates that somebody else made.
 #pragma once
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "visviva/linear/krylov/precondition.hpp"
 
 namespace visviva {
 
-// Multigrid of any matrix of blocks; `modes` [slot][n_modes] are what it hardly resists.
+// What a matrix hardly resists, [slot][n], made when it is asked for.
+struct NearNull {
+    int n = 0;
+    std::function<std::vector<double>()> modes = [] { return std::vector<double>(); };
+};
+
+// Multigrid of any matrix of blocks.
 class Grids {
   public:
     virtual ~Grids() = default;
     // Takes the matrix; of its pattern and modes, in a life of the grids, the first is asked alone.
-    virtual bool build(const BlockReader& finest, const double* modes, int n_modes) = 0;
+    virtual bool build(const BlockReader& finest, const NearNull& near) = 0;
     virtual void apply(const double* r, double* z) = 0;
     // How many iterations the last solution took: grids serve later matrices until they take half as many
     // again.

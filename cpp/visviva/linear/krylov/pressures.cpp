@@ -82,7 +82,7 @@ bool Pressures::make_grids(const std::vector<double>& inverse) {
     if (kept_) return true;
     BlockRows<double> p;
     assemble(inverse, p);
-    if (grids_->build(p, nullptr, 0)) return true;
+    if (grids_->build(p, {})) return true;
     return message = "the pressures: " + grids_->message, false;
 }
 
