@@ -36,8 +36,10 @@ class Driving:
         Times at which some function of time that a component was given has a kink, whatever it is for.
     drives : list of tuple of int
         Multipliers of driven constraints, and their accounts.
-    is_driven, has_servo : bool
-        Whether constraints are functions of time, and whether servo constraints are among them.
+    inputs : list of tuple of int
+        Inputs of servos, and their accounts.
+    is_driven : bool
+        Whether constraints are functions of time.
     """
 
     signals: list[TimeFunction] = field(default_factory=list)
@@ -47,8 +49,18 @@ class Driving:
     kinks: dict[float, set[int]] = field(default_factory=dict)
     given: set[float] = field(default_factory=set)
     drives: list[tuple[int, int]] = field(default_factory=list)
+    inputs: list[tuple[int, int]] = field(default_factory=list)
     is_driven: bool = False
-    has_servo: bool = False
+
+    @property
+    def has_servo(self) -> bool:
+        """Whether servo constraints are among them."""
+        return bool(self.inputs)
+
+    @property
+    def working(self) -> list[tuple[int, int]]:
+        """All multipliers that do work, and their accounts."""
+        return self.drives + self.inputs
 
     def signal(self, owner: str, function: Any, has_rate: bool = False) -> int:
         """Number of a prescribed function of time, see `Model.signal`."""
@@ -68,7 +80,7 @@ class Driving:
     def drive(self, multipliers: list[int], signals: list[int], account: int, servo: bool) -> None:
         """Note constraints that some of these signals (-1 for none) drive."""
         if servo:
-            self.has_servo = True
+            self.inputs += [(u, account) for u in multipliers]
         else:
             self.drives += [(u, account) for u, s in zip(multipliers, signals, strict=True) if s >= 0]
         self.is_driven |= servo or any(s >= 0 for s in signals)

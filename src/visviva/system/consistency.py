@@ -326,7 +326,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     Returns
     -------
     array
-        Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.drives``.
+        Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.working``.
     """
     at, rates_alone = Actuated(system), table[1][2] == 0.0
     if not rates_alone:  # flows keep what the scheme remembers of them
@@ -356,7 +356,7 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
 
 def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:
     """Among the multipliers, those of what functions of time drive."""
-    drives = [u for u, _ in system.model.driving.drives]
+    drives = [u for u, _ in system.model.driving.working]
     return np.array([int(np.flatnonzero(at.multipliers == u)[0]) for u in drives], dtype=np.int64)
 
 
@@ -367,12 +367,10 @@ def drive_works(
     rows = driven_rows(system, at)
     if not len(rows):
         return np.zeros(0)
-    drives = at.multipliers[rows]
-    work: Array = -mu[rows] * (at.G[rows] @ mean)
+    work: Array = -mu[rows] * (at.columns.T @ mean)[rows]
     if step.theta_g == 0.0:
-        along = np.zeros(len(system.x))
-        along[at.coordinates] = step.h * mean
         with returning(system):
             system.x[:] = x0
-            work += 0.25 * trial[drives] * (at.values_at(along) - at.values_at(-along))[rows]
+            start = Actuated(system)
+        work += 0.5 * step.h * trial[at.multipliers[rows]] * (start.columns.T @ mean)[rows]
     return work

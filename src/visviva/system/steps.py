@@ -182,7 +182,7 @@ def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) ->
 
     work = project_step(system, step, scheme.motion(step.h), x0, x0 + dx)
     _evaluate_ledger_again(system)
-    for (_, account), part in zip(system.model.driving.drives, work, strict=True):
+    for (_, account), part in zip(system.model.driving.working, work, strict=True):
         system.core.work[account] += part
 
 
