@@ -28,7 +28,20 @@ MULTIGRID = {
     "mg_levels_ksp_type": "chebyshev",
     "mg_levels_pc_type": "jacobi",
 }
-"""Aggregates of nodes on the rigid motions of solids."""
+"""Aggregates of nodes on the rigid motions of solids, smoothed."""
+LARGE = 100_000
+"""Equations of a process from which memory counts."""
+LEAN = {
+    **MULTIGRID,
+    "pc_gamg_agg_nsmooths": "0",
+    "pc_gamg_aggressive_square_graph": "0",
+    "pc_mg_cycle_type": "w",
+    "ksp_max_it": "400",
+}
+"""Aggregates as they are have a quarter of the entries, and their graph is not squared. They want coarse grids twice in
+a cycle, and two to three times as many cycles, which cheaper products make up for."""
+ALL_AT_ONCE = {"matptap_via": "allatonce"}
+"""Of products in several processes: nothing is kept in between."""
 CLOSE = {"ksp_rtol": "1e-6", "ksp_max_it": "200"}
 LOOSE = {"ksp_rtol": "1e-3", "ksp_max_it": "100"}
 """Of conjugate gradients at short steps, where Newton goes on anyway."""
@@ -74,12 +87,21 @@ def methods_for(problem: Problem) -> list[tuple[str, Options]]:
         few = {"ksp_type": "cg", "pc_type": "pbjacobi", **LOOSE}
         methods.append(("conjugate gradients with blocks of nodes", few))
     if solid or (problem.temperatures is Temperatures.ALONE and not problem.n_multipliers):
+        grids = lean() if solid and problem.n >= LARGE else MULTIGRID
         if not problem.nearly:
-            methods.append(("conjugate gradients with multigrid", {"ksp_type": "cg", **MULTIGRID, **CLOSE}))
-        methods.append(("GMRES with multigrid", {"ksp_type": "gmres", **MULTIGRID, **CLOSE}))
+            few = {"mg_levels_esteig_ksp_type": "cg"}  # vectors that estimates of eigenvalues keep
+            methods.append(
+                ("conjugate gradients with multigrid", {"ksp_type": "cg", **CLOSE, **few, **grids})
+            )
+        methods.append(("GMRES with multigrid", {"ksp_type": "gmres", **CLOSE, **grids}))
     if problem.is_flow and problem.is_large_flow:
         methods.append(("GMRES with velocities and pressures in turn", BESIDE))
     return methods
+
+
+def lean() -> Options:
+    """Multigrid of solids that are large."""
+    return {**LEAN, **ALL_AT_ONCE} if world().size > 1 else LEAN
 
 
 def chosen(name: str, options: Options) -> _core.LinearChoice:

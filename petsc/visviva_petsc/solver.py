@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ Ints = NDArray[np.int64]
 PREFIX = "visviva_"
 """Of options; those of the program of other systems have none."""
 DIRECT = ("lu", "cholesky")
+PRODUCTS = ("matptap_via",)
+"""Options of products of matrices, which have no prefix."""
 _made = [0]
 
 
@@ -105,7 +108,8 @@ class Solver:
         self.matrix.fill(values)
         self.ksp.setOperators(self.A)
         self.prepare()
-        self.ksp.setUp()
+        with of_products(self.options):
+            self.ksp.setUp()
         failed = self.ksp.getPC().getFailedReason()
         self.message = f"its preconditioner failed ({failed})" if failed else ""
         return not failed
@@ -144,6 +148,19 @@ class Solver:
         for name in ("bring", "near", "r", "d", "ksp", "A"):
             if name in vars(self):
                 getattr(self, name).destroy()
+
+
+@contextmanager
+def of_products(options: dict[str, str]) -> Iterator[None]:
+    """Have products of matrices take their options, which those of the environment go before."""
+    database = PETSc.Options()
+    names = [name for name in PRODUCTS if name in options and not database.hasName(name)]
+    for name in names:
+        database.setValue(name, options[name])
+    try:
+        yield
+    finally:
+        forget_options(names)
 
 
 def forget_options(names: Sequence[str]) -> None:
