@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import weakref
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,7 @@ class Solver:
         """
         comm, n, node, modes = self.comm.tompi4py(), len(of["multiplier"]), of["node"], of["modes"]
         self.release()
+        trim()
         PETSc.garbage_cleanup(self.comm)  # of systems that are no more, which all have to let go of together
         owner = owners(comm, unknown, n)
         order = np.argsort(owner, kind="stable")
@@ -78,6 +80,7 @@ class Solver:
         self.ksp.setOptionsPrefix(self.prefix)
         self.set_options(self.options)
         self.is_direct = self.ksp.getPC().getType() in DIRECT
+        trim()
 
     def set_options(self, options: dict[str, str]) -> None:
         """Give the solver its options, which leave PETSc's database with it."""
@@ -148,6 +151,12 @@ class Solver:
         for name in ("bring", "near", "r", "d", "ksp", "A"):
             if name in vars(self):
                 getattr(self, name).destroy()
+
+
+def trim() -> None:
+    """Give free pieces of the heap back, of which patterns leave many; PETSc's large arrays lie elsewhere."""
+    with suppress(AttributeError, OSError):  # of the GNU library alone
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 @contextmanager

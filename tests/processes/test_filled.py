@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import sys
 from pathlib import Path
 
 import pytest
@@ -76,6 +78,14 @@ solver.factor(values)
 print(f"{(resident() - before) / len(col):.2f}\\n", end="")
 """
 
+HEAP = """
+pieces = [np.ones(250) for _ in range(50_000)]
+del pieces[:-1]
+held = resident()
+solver.analyze(row, col, unknown, of)
+print(f"{(held - resident()) / 1e6:.0f}\\n", end="")
+"""
+
 
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_rows_of_all_are_added(n: int, tmp_path: Path) -> None:
@@ -94,3 +104,13 @@ def test_an_entry_takes_a_value_and_a_column(n: int, tmp_path: Path) -> None:
     done = launched(n, str(tmp_path / "grown.py"))
     assert done.returncode == 0, done.stderr
     assert all(12 < float(size) < 17 for size in done.stdout.split()), done.stdout
+
+
+def test_free_pieces_of_the_heap_are_given_back(tmp_path: Path) -> None:
+    """100 MB of small pieces, below one that is not free."""
+    if sys.platform != "linux" or not hasattr(ctypes.CDLL(None), "malloc_trim"):
+        pytest.skip("this heap gives nothing back")
+    (tmp_path / "heap.py").write_text(GROWN.replace("100_000", "1_000").replace("3000", "0") + HEAP)
+    done = launched(0, str(tmp_path / "heap.py"))
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout.split()[-1]) > 80
