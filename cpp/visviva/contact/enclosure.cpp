@@ -88,11 +88,15 @@ bool Enclosure::holds(const Vector3& x) const {
     return meets % 2;
 }
 
-double Enclosure::depth(const Vector3& x, double least) const {
+bool Enclosure::is_shallow(const Vector3& x, double least) const {
     std::vector<int> beside;
-    if (least > 0) near(around({x.array() - least, x.array() + least}), beside);
-    for (int k : beside)
-        if (triangles_[k].distance(x) <= least) return 0;
+    near(around({x.array() - least, x.array() + least}), beside);
+    return std::any_of(beside.begin(), beside.end(),
+                       [&](int k) { return triangles_[k].distance(x) <= least; });
+}
+
+double Enclosure::depth(const Vector3& x, double least) const {
+    if (least > 0 && is_shallow(x, least)) return 0;
     const int k = nearest(x);
     return k < 0 ? 0 : triangles_[k].distance(x);
 }

@@ -46,6 +46,8 @@ class Enclosure {
     void near(const Box& box, std::vector<int>& found) const { tree_.query(box, found); }
     /// Depth of a place; 0 outside, and where it is not more than `least`.
     double depth(const Eigen::Vector3d& x, double least = 0) const;
+    /// Whether a place is as near to the surface as that.
+    bool is_shallow(const Eigen::Vector3d& x, double least) const;
     /// The triangle that is nearest to a place; -1 where that is outside.
     int nearest(const Eigen::Vector3d& x) const;
     /// Whether a place is inside, or as near to the surface as that.

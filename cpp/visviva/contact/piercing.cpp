@@ -11,6 +11,7 @@ namespace visviva {
 
 namespace {
 
+constexpr double grazing = 0.025;   // of the least width: what is less deep beside a face lies on that
 constexpr double most_parts = 400;  // of a step, at which bodies are looked at on their way
 
 using Vector3 = Eigen::Vector3d;
@@ -29,6 +30,7 @@ Piercing::Piercing(Sides sides, double limit, double least, std::string cure)
         if (!of_.encloses[side]) sides_[side].triangles.clear();
         keep_touching(side);
     }
+    if (!of_.thin && limit_ > grazing * least_) entrances_ = {sides_[0], sides_[1], grazing * least_};
 }
 
 // Edges of faces that may touch. At the border of these they are in what lies beside them, too, unless it is
@@ -58,10 +60,14 @@ std::vector<double> Piercing::positions(const double* q) const {
     return X;
 }
 
+Bodies Piercing::bodies(const std::vector<double>& X) const {
+    return {Enclosure(X, sides_[0].triangles), Enclosure(X, sides_[1].triangles)};
+}
+
 // Of a place in the body of a side; 0 where the way out leads through faces that do not touch.
 double Piercing::depth(const Enclosure& body, int side, const Vector3& x) const {
     const int k = body.nearest(x);
-    return k >= 0 && of_.faces[sides_[side].facets[k]] ? body.triangles()[k].distance(x) : 0;
+    return k >= 0 && touches(side, k) ? body.triangles()[k].distance(x) : 0;
 }
 
 // Whether the other body rests on a vertex of the first one about a place, whose edge or facet is a chord of
@@ -101,8 +107,10 @@ Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen
     const std::vector<double> X0 = positions(q0), X1 = positions(q1);
     const double come = beside(seen, std::max(limit_, deep * least_)), parts = parts_of(X0, X1, come);
     if (parts > most_parts) return {true, false, {}};
+    const Bodies start = bodies(X0);
+    entrances_.settle(X0, start);
     if (!begun_) {
-        each_part(X0, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
+        each_part(X0, start, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
         begun_ = true;
     }
     Finding found;
@@ -192,8 +200,14 @@ double Piercing::across(const std::vector<double>& X0, const std::vector<double>
 }
 
 DeepPlace Piercing::deepest(const std::vector<double>& X) const {
-    DeepPlace found;
-    each_part(X, [&](const Part& part, double length, const Vector3& place) {
+    const Bodies both = bodies(X);
+    auto counts = [&](const Entrances::Place& p) {
+        const Enclosure &body = both[1 - p.side], &own = both[p.side];
+        return touches(1 - p.side, p.triangle) &&
+               !(p.depth > limit_ && spans(p.side, body, own, p.x, p.ends, p.depth));
+    };
+    DeepPlace found = entrances_.deepest(X, both, counts);
+    each_part(X, both, [&](const Part& part, double length, const Vector3& place) {
         const double more = part.depth - given(part, length);
         if (more > found.depth) found = {more, place};
     });
@@ -202,11 +216,11 @@ DeepPlace Piercing::deepest(const std::vector<double>& X) const {
 
 // The ends and the middle of each part of an edge that the surface cuts off are looked at.
 template <class F>
-void Piercing::each_part(const std::vector<double>& X, F take) const {
+void Piercing::each_part(const std::vector<double>& X, const Bodies& bodies, F take) const {
     std::vector<double> cuts;
     for (int side : {0, 1}) {
-        if (!of_.encloses[1 - side]) continue;
-        const Enclosure body(X, sides_[1 - side].triangles), own(X, sides_[side].triangles);
+        const Enclosure &body = bodies[1 - side], &own = bodies[side];
+        if (body.triangles().empty()) continue;
         const auto& edges = sides_[side].edges;
         for (int k = 0; k < static_cast<int>(edges.size()); ++k) {
             const Vector3 p = At(&X[3 * edges[k].first]), way = At(&X[3 * edges[k].second]) - p;
@@ -243,6 +257,7 @@ double Piercing::given(const Part& part, double length) const {
 
 void Piercing::write(std::vector<double>& memory) const {
     memory.push_back(begun_ ? static_cast<double>(given_.size()) : -1);
+    entrances_.write(memory);
     for (const Part& g : given_)
         for (double value : {static_cast<double>(g.side), static_cast<double>(g.edge), g.from, g.to, g.depth})
             memory.push_back(value);
@@ -251,6 +266,7 @@ void Piercing::write(std::vector<double>& memory) const {
 void Piercing::read(const double*& memory) {
     const double n = *memory++;
     begun_ = n >= 0, given_.clear();
+    entrances_.read(memory);
     for (double k = 0; k < n; ++k, memory += 5)
         given_.push_back(
             {static_cast<int>(memory[0]), static_cast<int>(memory[1]), memory[2], memory[3], memory[4]});

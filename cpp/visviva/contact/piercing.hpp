@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "visviva/contact/enclosure.hpp"
+#include "visviva/contact/entrances.hpp"
 
 namespace visviva {
 
@@ -56,11 +56,13 @@ class Piercing {
     DeepPlace deepest(const std::vector<double>& X) const;
     std::vector<double> positions(const double* q) const;
     void keep_touching(int side);
+    Bodies bodies(const std::vector<double>& X) const;
+    bool touches(int side, int triangle) const { return of_.faces[sides_[side].facets[triangle]] != 0; }
     double depth(const Enclosure& body, int side, const Eigen::Vector3d& x) const;
     bool spans(int side, const Enclosure& body, const Enclosure& own, const Eigen::Vector3d& x,
                const std::array<Eigen::Vector3d, 2>& edge, double depth) const;
     template <class F>
-    void each_part(const std::vector<double>& X, F take) const;
+    void each_part(const std::vector<double>& X, const Bodies& bodies, F take) const;
     double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
     double parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed) const;
@@ -71,6 +73,7 @@ class Piercing {
     double limit_, least_;
     std::string cure_;
     Triangulated sides_[2];
+    Entrances entrances_;
     bool begun_ = false;
     std::vector<Part> given_;  // at the start
 };

@@ -1,0 +1,110 @@
+"""What comes in beside the border of a coarse plate is as deep as it is below the face by which it came in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import visviva as vv
+from visviva.study.run import run
+
+SOFT = vv.NeoHooke(young=1e7, poisson=0.3)
+THICK, GAP, SPEED = 0.1, 0.01, 1.0
+
+
+def plate(count: int) -> vv.Solid:
+    """One metre wide, with so many bricks along it, its top at zero."""
+    mesh = vv.BoxMesh(size=(1, 1, THICK), counts=(count, count, 1), origin=(-0.5, -0.5, -THICK))
+    return vv.Solid(mesh=mesh, material=SOFT, density=1e3)
+
+
+def sheet(count: int) -> vv.Shell:
+    """The same of a shell a fifth as thick."""
+    flat = vv.RectangleMesh(size=(1, 1), counts=(count, count), origin=(-0.5, -0.5)).build()
+    points = np.pad(flat.points[:, :2], ((0, 0), (0, 1)), constant_values=-THICK / 10)
+    section = vv.HomogeneousSection(thickness=THICK / 5, young=1e7, density=1e3)
+    return vv.Shell(mesh=vv.Mesh(points, flat.cells, face_sets=flat.face_sets), section=section)
+
+
+def falling(kind: str, width: float, over: float, y: float) -> tuple[Any, Any]:
+    """What falls over the border by a part of its width, and its middle."""
+    middle, velocity = (0.5 + width / 2 - over * width, y, GAP + width / 2), (0.0, 0.0, -SPEED)
+    if kind == "solid":
+        corner = np.array(middle) - width / 2
+        mesh = vv.BoxMesh(size=(width,) * 3, counts=(1, 1, 1), origin=tuple(corner))
+        cube = vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=velocity)
+        return cube, cube.point(middle)
+    shape = vv.Sphere(radius=width / 2) if kind == "ball" else vv.Box(size=(width,) * 3)
+    body = vv.RigidBody(shape=shape, density=1e3, position=middle, velocity=velocity)
+    return body, body
+
+
+def thrown(count: int, kind: str, width: float, over: float, y: float, **options: Any) -> vv.System:
+    """A plate, which is first unless `options` say otherwise, held below, and what falls on its border."""
+    body, base = falling(kind, width, over, y)[0], plate(count)
+    sides = {"first": base, "second": body, "formulation": "node-to-segment"} | options
+    if sides["first"] == "body":
+        sides |= {"first": body, "second": base}
+    return vv.System([base, body, vv.Contact(**sides), vv.Fixed(solid=base, nodes="z0")])
+
+
+@pytest.mark.parametrize("count", [2, 6])
+@pytest.mark.parametrize("kind", ["box", "ball", "solid"])
+@pytest.mark.parametrize("width", [0.05, 0.1])
+@pytest.mark.parametrize("over", [0.05, 0.1])
+def test_grazes_between_vertices_of_a_plate_fail(count: int, kind: str, width: float, over: float) -> None:
+    """They fell past as if there were no plate, with a clean audit: the side was nearer than what is deep."""
+    system = thrown(count, kind, width, over, 0.08)
+    with pytest.raises(vv.StepFailure, match=r"sink into each other by .*vertices of Solid .* alone touch"):
+        vv.simulate(system, until=0.25, step=4e-3)
+
+
+@pytest.mark.parametrize("count", [2, 6])
+@pytest.mark.parametrize("kind", ["box", "solid"])
+@pytest.mark.parametrize("over", [0.05, 0.1])
+def test_grazes_between_nodes_of_a_shell_fail(count: int, kind: str, over: float) -> None:
+    """Lines along it, which are in the other body between its vertices."""
+    body, base = falling(kind, 0.1, over, 0.08)[0], sheet(count)
+    contact = vv.Contact(first=base, second=body, formulation="node-to-segment")
+    system = vv.System([base, body, contact, vv.Clamped(solid=base, nodes="x0")])
+    with pytest.raises(vv.StepFailure, match=r"sink into each other by .*vertices of Shell .* alone touch"):
+        vv.simulate(system, until=0.25, step=4e-3)
+
+
+@pytest.mark.parametrize("step", [5e-4, 4e-3, 0.03])
+def test_grazes_fail_whatever_the_step(step: float) -> None:
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        vv.simulate(thrown(2, "box", 0.1, 0.1, 0.08), until=0.25, step=step)
+
+
+@pytest.mark.parametrize("kind", ["box", "ball"])
+def test_what_touches_by_its_own_vertices_is_stopped(kind: str) -> None:
+    """The other order, which is the cure: what comes down on the border is slower than what falls past."""
+    system = thrown(2, kind, 0.1, 0.1, 0.08, first="body")
+    vv.simulate(system, until=0.1, step=4e-3)
+    assert vv.Velocity(of=system.components[1])(system)[2] > -0.8
+
+
+@pytest.mark.parametrize("kind", ["box", "solid"])
+def test_what_falls_past_is_free(kind: str) -> None:
+    body, of = falling(kind, 0.1, -0.01, 0.08)
+    base = plate(2)
+    contact = vv.Contact(first=base, second=body, formulation="node-to-segment")
+    system = vv.System([base, body, contact, vv.Fixed(solid=base, nodes="z0")])
+    start = np.array(vv.Position(of=of)(system))
+    vv.simulate(system, until=0.25, step=4e-3)
+    assert vv.Position(of=of)(system) == pytest.approx(start - [0, 0, 0.25 * SPEED], abs=1e-9)
+
+
+def test_grazes_fail_after_a_restart(tmp_path: Path) -> None:
+    """What had come in when the run was divided is known by the facet that it passed."""
+
+    def made(until: float) -> vv.Study:
+        return vv.Study(thrown(2, "box", 0.1, 0.1, 0.08), until=until, step=2e-3)
+
+    run(made(0.03), tmp_path, pictures=False)
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        run(made(0.25), tmp_path, pictures=False, resume=True)
