@@ -531,8 +531,8 @@ def test_plane_beams_that_come_between_vertices_of_others_later_fail(speed: floa
 
 
 @pytest.mark.parametrize("branches", [False, True])
-def test_hulls_of_shells_are_closed_at_kinks_but_not_at_branches(branches: bool) -> None:
-    """By the divergence theorem; of the cell that stands on two others half, as its sides meet where these go on."""
+def test_hulls_of_shells_are_closed_at_kinks_and_branches(branches: bool) -> None:
+    """By the divergence theorem; at a kink half of the cell that stands, as its sides meet where others go on."""
     points = [(x, y, 0.0) for x in (0.0, 0.5, 1.0) for y in (0.0, 1.0)] + [
         (1, 0, 1),
         (1, 1, 1),
@@ -546,13 +546,44 @@ def test_hulls_of_shells_are_closed_at_kinks_but_not_at_branches(branches: bool)
     strip = plate_and_strip(0.1, 2, 0.0)[1]  # is watched beside either
     start([shell, strip, vv.Contact(first=shell, second=strip, formulation="node-to-segment")], None)
     hull = hull_of(shell)
-    assert (hull is None) == branches
-    if hull is None:
-        return
+    assert hull is not None
     a, b, c, d = (hull.places[hull.facets[:, k]] for k in range(4))
     areas = 0.5 * np.cross(c - a, d - b)
     np.testing.assert_allclose(areas.sum(axis=0), 0, atol=1e-15)
-    assert np.einsum("mi,mi->", areas, a + b + c + d) / 12 == pytest.approx(1.5 * 0.02)
+    assert np.einsum("mi,mi->", areas, a + b + c + d) / 12 == pytest.approx((2.5 if branches else 1.5) * 0.02)
+
+
+def with_fin(mesh: Any, height: float) -> vv.Mesh:
+    """A flat mesh with cells that stand on its middle line."""
+    flat = mesh.build()
+    flat_points = np.pad(flat.points[:, :2], ((0, 0), (0, 1)))
+    row = np.flatnonzero(np.abs(flat_points[:, 0]) < 1e-9)
+    row = row[np.argsort(flat_points[row, 1])]
+    new = len(flat_points) + np.arange(len(row))
+    points = np.concatenate([flat_points, flat_points[row] + [0, 0, height]])
+    fin = np.column_stack([row[:-1], row[1:], new[1:], new[:-1]])
+    return vv.Mesh(points, {"quad4": np.concatenate([flat.cells["quad4"], fin])})
+
+
+@pytest.mark.parametrize("cells", [2, 4])
+@pytest.mark.parametrize("speed", [0.35, 1.0])
+def test_shells_with_branches_fail_as_others_do(cells: int, speed: float) -> None:
+    """They had no closed surface, and fell through each other between their vertices."""
+    section = vv.HomogeneousSection(thickness=0.02, young=1e7, density=1e3)
+
+    def shell(mesh: Any, name: str, **options: Any) -> vv.Shell:
+        return vv.Shell(mesh=mesh, section=section, kinks="rigid", name=name, **options)
+
+    wide = vv.RectangleMesh(size=(1, 1), counts=(cells, cells), origin=(-0.5, -0.5))
+    slim = with_fin(vv.RectangleMesh(size=(0.1, 1), counts=(2, 8), origin=(-0.05, -0.5)), -0.3)
+    low = vv.Mesh(slim.points - [0, 0, 0.1], slim.cells)
+    plate, strip = shell(with_fin(wide, 0.5), "plate", velocity=(speed, 0, -0.5)), shell(low, "strip")
+    ends = np.flatnonzero(np.abs(np.abs(strip.points[:, 1]) - 0.5) < 1e-9)
+    contact = vv.Contact(first=plate, second=strip, formulation="node-to-segment")
+    with pytest.raises(vv.StepFailure, match=r"sink into each other by .* 'plate' alone touch"):
+        vv.simulate(
+            vv.System([plate, strip, vv.Clamped(solid=strip, nodes=ends), contact]), until=0.6, step=0.01
+        )
 
 
 def with_rings(radius: float, length: float, corners: int, pieces: int) -> vv.SurfaceMesh:
