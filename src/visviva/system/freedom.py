@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+PIECE = 2**14
+"""Rows that are looked at together, where copies of all would be the most that a run ever holds."""
 ROUNDING = 3e-12
 """A motion that meets less than this part of the stiffnesses that cancel in it is free."""
 TINY = np.finfo(float).tiny
@@ -309,9 +311,9 @@ def free_bodies(system: System, bodies: Sequence[Attachable], step: Any) -> list
     motions = [m for body in bodies if (m := rigid_motions(system, body))]
     if not motions:
         return []
-    kept = [m.moves[:, m.possible] for m in motions]
-    null = _free_combinations(system, motions, np.hstack([*kept, _coordinates(system)]), step)
-    ends = np.cumsum([part.shape[1] for part in kept])
+    moves = np.hstack([*(m.moves[:, m.possible] for m in motions), _coordinates(system)])
+    null = _free_combinations(system, motions, moves, step)
+    ends = np.cumsum([m.possible.sum() for m in motions])
     found = []
     for m, first, end in zip(motions, [0, *ends], ends, strict=False):
         free = np.zeros((6, null.shape[1]))
@@ -336,7 +338,8 @@ def rigid_motions(system: System, body: Attachable) -> Motions | None:
         moves[index, k] = np.where(is_position[:, None], axis, 0.0)[:, :width]
         moves[index, 3 + k] = np.cross(axis, arms)[:, :width]
     size = np.abs(moves).max(axis=0)
-    return Motions(body, centre, moves / np.where(size > 0, size, 1.0), size, index)
+    moves /= np.where(size > 0, size, 1.0)
+    return Motions(body, centre, moves, size, index)
 
 
 def simplest(span: Array) -> Array:
@@ -359,32 +362,52 @@ def _coordinates(system: System) -> Array:
     return moves
 
 
-@np.errstate(all="ignore")  # what is not finite is refused by name
 def _free_combinations(system: System, motions: Sequence[Motions], moves: Array, step: Any) -> Array:
     """Combinations (k, p) of `moves` (n, k), those of the motions first, that meet nothing.
 
     What they meet are forces and violations of constraints, relative to the terms that cancel in them.
     """
+    forces, largest, residual = _met(system, moves, step)
+    scale = np.where(largest > TINY, largest, 1.0)
+    fixed = np.concatenate([f.fixed for f in system.model.fields])
+    bare = _unmet(forces, moves, scale, fixed)
+    done = 0
+    for m in motions:
+        turned = m.turned(step.theta * residual)
+        for k in np.flatnonzero(m.possible):
+            forces[:, done] -= turned[:, k]
+            done += 1
+    return np.hstack([bare, _unmet(forces, moves, scale, fixed)])
+
+
+@np.errstate(all="ignore")  # what is not finite is refused by name
+def _met(system: System, moves: Array, step: Any) -> tuple[Array, Array, Array]:
+    """Forces (n, k) on `moves`, the largest (n,) of their terms, and the residual, with a tangent that nobody keeps."""
     system.core.find_neighbours()  # bodies may rest on what they touch
     row, col, unknown = (np.asarray(a) for a in system.core.csr)
     values, residual = np.zeros(len(col)), np.zeros(len(system.x))
     system.core.assemble(step, system.signals(step), residual, values)
     K = square(values, col, row)
-    R = moves[unknown]
     forces, met = np.zeros_like(moves), np.zeros_like(moves)
-    forces[unknown] = K @ R
+    for k, move in enumerate(moves.T):
+        forces[unknown, k] = K @ move[unknown]
     np.abs(K.data, out=K.data)  # where a copy would be the most that a run ever holds
-    met[unknown] = K @ np.abs(R)
+    for k, move in enumerate(moves.T):
+        met[unknown, k] = K @ np.abs(move[unknown])
     refuse_infinite(system, np.asarray(unknown), met[unknown].sum(axis=1) + residual[unknown])
     for part in (forces, met, residual):  # of rows that processes share
         world().sum(part)
-    turned = np.hstack([m.turned(step.theta * residual)[:, m.possible] for m in motions])
-    balanced = forces.copy()
-    balanced[:, : turned.shape[1]] -= turned
-    fixed = np.concatenate([f.fixed for f in system.model.fields])
-    largest = met[~fixed].max(axis=1)
-    scale = np.where(largest > TINY, largest, 1.0)[:, None]
-    return np.hstack([null_space(np.vstack([F[~fixed] / scale, moves[fixed]])) for F in (forces, balanced)])
+    return forces, met.max(axis=1), residual
+
+
+def _unmet(forces: Array, moves: Array, scale: Array, fixed: Any) -> Array:
+    """Combinations of moves that meet nothing: no forces, and no fixed unknowns; by triangles (k, k) of some rows."""
+    r = np.zeros((0, moves.shape[1]))
+    for start in range(0, len(fixed), PIECE):
+        some = slice(start, start + PIECE)
+        rows = np.where(fixed[some, None], moves[some], forces[some] / scale[some, None])
+        r = np.asarray(np.linalg.qr(np.vstack([r, rows]), mode="r"))
+    return null_space(r)
 
 
 def null_space(A: Array) -> Array:
