@@ -152,11 +152,10 @@ double ContactTerm::augmentation(int A, const Context& c) const {
 void ContactTerm::press(int A, const Context& c, double gap_theta) {
     const double k = options_.stiffness[A];
     S_[A] = dS_gap_[A] = R_[A] = 0;
-    const bool alone = gaps_->stencil(A).empty() || (area0_[A] == 0 && area1_[A] == 0);
-    if (!has_multipliers() && alone) {
-        active_.set(A, false);  // no gap of nothing is closed
-        return;
-    }
+    // No gap of nothing is closed, also where the active set goes round in circles and others change first.
+    const bool alone = gaps_->stencil(A).empty() || (!has_multipliers() && area0_[A] == 0 && area1_[A] == 0);
+    if (alone) active_.set(A, false);
+    if (alone && !has_multipliers()) return;
     if (!has_multipliers() && is_discrete(c.step)) {
         press_discretely(A, c);
     } else if (!has_multipliers()) {
