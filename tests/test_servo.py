@@ -252,6 +252,6 @@ def forwards(h):
 
 def test_a_flexible_girder_follows_its_path_by_feed_forward():
     """The inputs alone lead its load along a way of six metres, the better the finer their table."""
-    coarse, fine = forwards(0.02), forwards(0.01)
+    coarse, fine = forwards(0.01), forwards(0.005)
     assert coarse < 0.01
     assert fine < coarse / 3

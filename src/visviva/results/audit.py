@@ -17,6 +17,7 @@ from visviva.results.naming import labels_of
 from visviva.results.outside import outside
 from visviva.results.second_law import changed, second_law
 from visviva.results.spread import unbooked
+from visviva.system.actuated import leaves_rates
 
 if TYPE_CHECKING:
     from visviva.component.component import Component
@@ -170,8 +171,9 @@ def constraint_judgements(result: Result) -> list[Judgement]:
     found = [Judgement("constraints", f"hold to {told(held)} of their reach", fulfilled(held))]
     if not scheme.has_inertia:
         return found
+    system = result.system
     projected = scheme.projects_velocity and (
-        result.system.core.projects_rates or result.system.projects(scheme)
+        system.core.projects_rates or (system.projects(scheme) and not leaves_rates(system))
     )
     if rates <= CONSERVED or projected:
         verdict = fulfilled(rates)

@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.system.instant import COMPLIANCE, Instant
+from visviva.system.memory import undisturbed
 from visviva.system.scaling import equilibration
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
+
+    from visviva.system.system import System
 
 Array = NDArray[np.float64]
 
@@ -23,6 +26,11 @@ RANK = 1e-10
 """Relative size of singular values that count as zero."""
 UNBALANCED = 1e-6
 """Part of forces on masses that nothing balances, beyond which the equations leave something open."""
+UNDETERMINED = 1e-6
+"""Part of the largest multiplier from where on it is taken for open: only the compliance of constraints bounds it."""
+WEAK = 30.0
+"""Scaled multipliers that balance scaled forces of one, beyond which rates are not changed by impulses of inputs: they
+would answer to errors of a step by as much more."""
 
 
 class Actuated(Instant):
@@ -31,7 +39,7 @@ class Actuated(Instant):
     Inputs that do not accelerate the outputs (index five) are left open by them: then the least serve.
     """
 
-    _is_open = False
+    is_open = False
 
     def _columns_in(self, A: sp.csr_array) -> sp.csc_array:
         if not self.system.model.driving.has_servo:
@@ -45,34 +53,71 @@ class Actuated(Instant):
 
     def factor(self, compliance: float = COMPLIANCE) -> None:
         super().factor(compliance)
-        self._is_open = self.system.model.driving.has_servo and self._leaves_open()
+        self.is_open = self.system.model.driving.has_servo and self._leaves_open()
+
+    def _pushes(self) -> Array:
+        """Some forces (n,) on all masses."""
+        n = len(self.coordinates)
+        pushes: Array = self.metric @ (self._s[:n] * np.random.default_rng(0).standard_normal(n))
+        return pushes
 
     def _leaves_open(self) -> bool:
         """Whether there are forces of masses that no accelerations and multipliers balance."""
-        n = len(self.coordinates)
-        f = self.metric @ (self._s[:n] * np.random.default_rng(0).standard_normal(n))
+        n, f = len(self.coordinates), self._pushes()
         a, mu = super().solve(f, np.zeros(len(self.multipliers)))
         rest = np.concatenate([f - self.metric @ a - self.columns @ mu, self.G @ a])
         largest = float(np.abs(self._s[:n] * f).max(initial=0.0))
         return bool(np.abs(self._s * rest).max(initial=0.0) > UNBALANCED * largest)
 
+    def _answers(self) -> Array:
+        """Sizes (m,) of the scaled multipliers by which the factored equations balance these forces."""
+        n, m = len(self.coordinates), len(self.multipliers)
+        answers: Array = np.abs(self.soft(self._pushes(), np.zeros(m)) / self._s)[n:]
+        return answers
+
+    def open_multipliers(self) -> NDArray[np.bool_]:
+        """Which multipliers (m,) the factored equations leave open: without its compliance they would be infinite."""
+        answers = self._answers()
+        return np.asarray(self.is_open & (answers > UNDETERMINED * answers.max(initial=0.0)))
+
+    def keep_reached(self) -> None:
+        """Factor the equations without constraints of parts in which inputs hardly accelerate their outputs."""
+        self.factor()
+        inputs = np.isin(self.multipliers, [u for u, _ in self.system.model.driving.inputs])
+        if inputs.any() and (weak := inputs & (self._answers() > WEAK)).any():
+            self.keep(~np.isin(of_part := self._parts(), of_part[weak]))
+            self.factor()
+
+    def _parts(self) -> NDArray[np.int32]:
+        """Numbers (m,) of the parts that hang together, by masses, constraints or actuators, of the constraints."""
+        import scipy.sparse as sp
+        from scipy.sparse.csgraph import connected_components
+
+        coupled = sp.block_array([[self.M, self.columns], [self.G, None]], format="csr")
+        part: NDArray[np.int32] = connected_components(abs(coupled), directed=False)[1]
+        return part[len(self.coordinates) :]
+
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
-        return self.least(f, g) if self._is_open else super().solve(f, g)
+        return self.least(f, g) if self.is_open else super().solve(f, g)
 
     def solve_consistent(self, f: Array, g: Array) -> tuple[Array, Array]:
-        return self.least(f, g) if self._is_open else super().solve_consistent(f, g)
+        return self.least(f, g) if self.is_open else super().solve_consistent(f, g)
 
-    def dense(self) -> tuple[Array, Array]:
-        """The matrix (n + m, n + m), scaled on both sides by the last array."""
+    def least(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """Smallest accelerations and multipliers that fit, both scaled; exact for a start from rest."""
         import scipy.sparse as sp
 
         K = sp.block_array([[self.M, self.columns], [self.G, None]], format="csr")
         unit = np.concatenate([self.scale, np.zeros(len(self.multipliers))])
         scale = equilibration(sp.csr_array(abs(K) + abs(K.T)), unit)
-        return scale[:, None] * K.toarray() * scale, scale
-
-    def least(self, f: Array, g: Array) -> tuple[Array, Array]:
-        """Smallest accelerations and multipliers that fit, both scaled; exact for a start from rest."""
-        K, scale = self.dense()
-        z = scale * np.linalg.lstsq(K, scale * np.concatenate([f, g]), rcond=RANK)[0]
+        scaled = scale[:, None] * K.toarray() * scale
+        z = scale * np.linalg.lstsq(scaled, scale * np.concatenate([f, g]), rcond=RANK)[0]
         return z[: len(f)], z[len(f) :]
+
+
+def leaves_rates(system: System) -> bool:
+    """Whether some inputs of servos hardly accelerate their outputs now, so that rates are not projected there."""
+    with undisturbed(system):
+        at, reached = Actuated(system), Actuated(system)
+        reached.keep_reached()
+    return len(reached.multipliers) < len(at.multipliers)

@@ -263,7 +263,7 @@ def unbalanced(system: System, at: Instant, still: bool = False) -> tuple[Array,
     return -force, right
 
 
-def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant | None = None) -> None:
+def initial_acceleration(system: System, scheme: Scheme, h: float, at: Actuated | None = None) -> None:
     """Fill the history of schemes that start from accelerations, and the multipliers, consistently.
 
     Solves ``M a + f(q, v) + G^T lambda = 0`` with ``G a = -(G' v) v - ...``, parts prescribed in time
@@ -280,10 +280,19 @@ def initial_acceleration(system: System, scheme: Scheme, h: float, at: Instant |
         history[at.coordinates] = a
     system.x[at.multipliers] = multipliers
     for history, offset in zip(histories, scheme.history_at, strict=True):
-        if offset and len(at.multipliers):
+        if offset and len(at.multipliers) and not at.is_open:
             history[:] = accelerations_later(system, history, offset * h)
     system.invalidate()
     system.stepper.has_acceleration = True
+
+
+def restart_motion(system: System, scheme: Scheme, h: float) -> None:
+    """A new history of motion by the accelerations of this instant; what is of first order goes on with its own."""
+    histories, others = (system.core.a, system.core.w), system.order != 2
+    kept = [history[others] for history in histories]
+    initial_acceleration(system, scheme, h)
+    for history, values in zip(histories, kept, strict=True):
+        history[others] = values
 
 
 def accelerations_later(system: System, now: Array, time: float) -> Array:
@@ -328,14 +337,17 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
     array
         Work of what is driven by functions of time as the rates change, of each of ``system.model.driving.working``.
     """
-    at, rates_alone = Actuated(system), table[1][2] == 0.0
+    at, rates_alone = Actuated(system), not np.any(table[3])
     if not rates_alone:  # flows keep what the scheme remembers of them
         at.keep(at.of_motion)
     impulse = np.zeros(len(at.coordinates))
     if step.theta_g == 0.0:
         impulse = impulse_at_start(system, at, step, table, x0, trial)
     at.M = at.M + displaced_mass(system)[at.coordinates][:, at.coordinates]
-    at.factor()
+    if rates_alone:
+        at.factor()
+    else:
+        at.keep_reached()
     before = system.v[at.coordinates].copy()
     # the change alone: rates that have no mass stay as they are
     change, mu = at.solve_consistent(impulse, -at.drift() - at.G @ before)
@@ -349,9 +361,10 @@ def project_step(system: System, step: Any, table: Table, x0: Array, trial: Arra
         history[coordinates] += table[row][0] / table[2][0] * change
     change_of_multipliers = table[1][0] / table[2][0] * mu
     system.x[at.multipliers] += change_of_multipliers
-    rows = driven_rows(system, at)  # work is booked with the mean of the forces at both ends of the step
-    work: Array = -0.5 * change_of_multipliers[rows] * (at.G[rows] @ (trial - x0)[at.coordinates])
-    return work
+    # work is booked with the mean of the forces at both ends of the step
+    work = -0.5 * change_of_multipliers * (at.columns.T @ (trial - x0)[at.coordinates])
+    of = {int(u): float(w) for u, w in zip(at.multipliers, work, strict=True)}
+    return np.array([of.get(u, 0.0) for u, _ in system.model.driving.working])
 
 
 def driven_rows(system: System, at: Instant) -> NDArray[np.int64]:

@@ -78,8 +78,8 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
     with Trial(system), _failing(system, attempt.step):
         refuse_invalid(system, attempt.step)
         _refuse_failed(system, attempt.step, system.core.accept(attempt.step, attempt.signals, True))
-    _arrive(system, attempt.step, attempt.signals, scheme, start)
-    if project:
+    jumped = _arrive(system, attempt.step, attempt.signals, scheme, start)
+    if project and not (jumped and scheme.needs_acceleration):  # whose rates satisfy the constraints already
         _project(system, attempt.step, scheme, x0, dx)
 
 
@@ -146,34 +146,50 @@ def _keep_factor(system: System) -> float:
     return 0.0 if redundant else system.newton.keep_factor
 
 
-def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Array) -> None:
-    """Take the state for that of a step from where positions that are moved by means had these values."""
+def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Array) -> bool:
+    """Take the state for that of a step from where positions that are moved by means had these values.
+
+    Returns
+    -------
+    bool
+        Whether rates have changed at once there, as those of what is driven do behind a kink.
+    """
     system.stepper.arrive(step, signals, scheme)
     means = system.stepper.means
     if len(means):
         system.v[means] = (system.x[means] - start) / step.h
         system.core.mark_state()
-    if scheme.keeps_swinging:
-        near = system.clock.rounding(system.time)
-        bent = system.model.driving.bent(system.time - step.h + near, system.time + near)
-        if bent:
-            _follow_kinks(system, bent)
+    near = system.clock.rounding(system.time)
+    bent = system.model.driving.bent(system.time - step.h + near, system.time + near)
+    follows = bool(bent) and scheme.has_inertia and bool(np.any(system.order == 2))
+    return follows and _follow_kinks(system, bent, scheme, step.h)
 
 
-def _follow_kinks(system: System, accounts: set[int]) -> None:
-    """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share."""
+def _follow_kinks(system: System, accounts: set[int], scheme: Scheme, h: float) -> bool:
+    """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share.
+
+    Schemes with a history begin a new one there: theirs is that of another motion. Whether all this could be done, as
+    it cannot where inputs do not accelerate their outputs.
+    """
     from visviva.system.actuated import Actuated
-    from visviva.system.consistency import project_velocities
+    from visviva.system.consistency import project_velocities, restart_motion
 
-    last, before = system.stepper.last, system.core.energy.sum()
-    system.follow_prescribed()
-    if system.n_constraints:
-        at = Actuated(system)
+    stepper, before = system.stepper, system.core.energy.sum()
+    last, has_rates = stepper.last, stepper.has_rates
+    if at := Actuated(system) if system.n_constraints else None:
         at.factor()
+        if at.is_open:
+            return False
+    system.follow_prescribed()
+    if at:
         project_velocities(system, at)
+    if scheme.needs_acceleration:
+        restart_motion(system, scheme, h)
     _evaluate_ledger_again(system)
     system.core.work[list(accounts)] += (system.core.energy.sum() - before) / len(accounts)
-    system.stepper.led_by(last)
+    stepper.led_by(last)
+    stepper.has_rates = has_rates
+    return True
 
 
 def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) -> None:

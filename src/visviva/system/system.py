@@ -410,10 +410,10 @@ class System(metaclass=Named):
 
     @cached_property
     def constrains_motion(self) -> bool:
-        """Whether constraints act on motion alone: flows and servos keep the rates that the scheme gives."""
+        """Whether constraints act on motion alone: flows keep the rates that the scheme gives."""
         from visviva.system.instant import Instant
 
-        if not self.n_constraints or self.model.driving.has_servo:
+        if not self.n_constraints:
             return False
         with undisturbed(self):
             at = Instant(self)

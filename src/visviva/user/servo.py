@@ -93,27 +93,23 @@ class Servo(Component):
     def start(self, state: State, scheme: Scheme) -> None:
         """Refuse schemes whose inputs oscillate; begin with multipliers that Newton would not find."""
         system = cast("System", state)  # whose instant is solved for
-        if self._is_indirect(system) and scheme.theta == 0.5:
+        if scheme.theta == 0.5 and self._is_indirect(system):
             raise InputError(
                 f"{self.label}: its actuators do not accelerate its outputs directly, and the inputs of "
                 f"{scheme} oscillate without converging; use GeneralizedAlpha(rho=0) or BackwardEuler()"
             )
-        if not np.any(self.inputs(system)) or (
-            scheme.needs_acceleration and not system.stepper.has_acceleration
-        ):
-            initial_state(system)
+        if not np.any(self.inputs(system)):
+            initial_inputs(system)
 
     def _is_indirect(self, system: System) -> bool:
         """Whether some inputs of this servo do not accelerate its outputs (index above three)."""
-        from visviva.system.actuated import RANK, Actuated
+        from visviva.system.actuated import Actuated
 
         with undisturbed(system):
             at = Actuated(system)
-            K, _ = at.dense()
-        _, size, V = np.linalg.svd(K)
-        own = np.isin(at.multipliers, list(self._multipliers.unknowns))
-        null = V[size < RANK * size[0]][:, len(at.coordinates) :][:, own]
-        return bool(np.abs(null).max(initial=0.0) > 1e-6)
+            at.factor()
+            own = np.isin(at.multipliers, list(self._multipliers.unknowns))
+            return bool(at.open_multipliers()[own].any())
 
     def inputs(self, system: System) -> Array:
         """Inputs (n,) of the actuators in the last step, at the scheme's evaluation point."""
@@ -142,16 +138,12 @@ class ServoInputs(Reading):
         return self.servo.inputs(system)
 
 
-def initial_state(system: System) -> None:
-    """Smallest accelerations and multipliers that fit the present state; exact for a start from rest."""
+def initial_inputs(system: System) -> None:
+    """Multipliers of this state, the least if inputs do not accelerate the outputs: exact for a start from rest."""
     from visviva.system.actuated import Actuated
-    from visviva.system.consistency import unbalanced
+    from visviva.system.consistency import accelerations
 
     at = Actuated(system)
-    a, multipliers = at.least(*unbalanced(system, at))
-    for history in (system.core.a, system.core.w):
-        history[:] = at.prescribed_acceleration()
-        history[at.coordinates] = a
-    system.x[at.multipliers] = multipliers
+    at.factor()
+    system.x[at.multipliers] = accelerations(system, at)[1]
     system.invalidate()
-    system.stepper.has_acceleration = True
