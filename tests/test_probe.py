@@ -293,3 +293,16 @@ def test_extremes_of_what_nodes_have_are_theirs(kind: str) -> None:
     found = [vv.Extreme(solid=body, field=name, which=which)(system) for which in ("min", "max")]
     weak = kind in ("solid", "shell", "beam")  # whose temperatures follow from entropies at the nodes
     assert found == pytest.approx([low, low + rise], rel=1e-3 if weak else 1e-12)
+
+
+@pytest.mark.parametrize("cell", ["hex8", "wedge6", "tet4"])
+@pytest.mark.parametrize("place", [0.26, 0.49, 1.0])
+def test_section_along_a_held_face_bears_all_of_the_load(cell: str, place: float) -> None:
+    """Nodes of the section that are held gave a part of the support's force to what is in front: 7.1 for 10."""
+    box = vv.BoxMesh(size=(3, 1, 1), counts=(6, 2, 2), cell=cell)
+    bar = vv.Solid(mesh=box, material=vv.SaintVenantKirchhoff(young=1e3, poisson=0.3))
+    pull = vv.Traction(solid=bar, faces="x1", traction=(10.0, 0, 0), times="t")
+    system = vv.System([bar, vv.Fixed(solid=bar, nodes="x0"), pull])
+    vv.quasi_static(system, until=1.0, step=0.5)
+    section = vv.SectionForce(solid=bar, point=(place, 0.5, 0.5), normal=(1, 0, 0))
+    assert section(system) == pytest.approx([10, 0, 0], abs=1e-9)

@@ -313,7 +313,8 @@ class SectionForce(Reading):
     the nodes that both have; the force is what the part in front, where `normal` points, exerts on the part behind
     (a tensile force is positive along the normal). As a sum of nodal forces it is, in statics, in exact
     equilibrium with the loads on either part; what acts on the section's own nodes (weight, inertia, loads) belongs to
-    both parts, by their shares in the volume there.
+    both parts, by their shares in the volume there. What supports give to nodes of the section, as where it runs in
+    zigzag along a held face, is shared among the elements that are held by a face.
 
     Parameters
     ----------
@@ -372,8 +373,32 @@ class SectionForce(Reading):
         front, behind = (
             self.solid.nodal_forces(system.x_with_reactions, side) for side in (~self._behind, self._behind)
         )
-        force: Array = (front - self._share * (front + behind)) * self._shared[:, None]
+        force: Array = (front - self._shares() * (front + behind)) * self._shared[:, None]
         return force
+
+    def _shares(self) -> Array:
+        """Shares (n, 3) of what is in front: where supports hold, among the elements that they hold by a face."""
+        shares = np.repeat(self._share, 3, axis=1)
+        for c, held in enumerate(self._held().T):
+            if np.any(held & self._shared):
+                faced = self._faced(held)
+                front, whole = (nodal_volume(self.solid, cells) for cells in (faced & ~self._behind, faced))
+                there = held & (whole > 0)
+                shares[there, c] = front[there] / whole[there]
+        return shares
+
+    def _held(self) -> NDArray[np.bool_]:
+        """Which components of nodes (n, d) supports hold; of splines, whose control points have no faces, none."""
+        fixed, n = self.solid.motion.fixed, self.solid.grid.n_nodes
+        none = np.zeros((n, self.solid.dimension), dtype=bool)
+        return np.asarray(fixed.reshape(none.shape)) if fixed.size == none.size else none
+
+    def _faced(self, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Elements (n_cells,) with a face all nodes (n,) of which are held."""
+        faces, faced = self.solid.faces("all"), np.zeros(len(self._behind), dtype=bool)
+        for name, nodes in faces.cells.items():
+            faced[faces.owners[name][held[nodes].all(axis=1)]] = True
+        return faced
 
     def __call__(self, system: System) -> Array:
         force: Array = self.by_node(system).sum(axis=0)
