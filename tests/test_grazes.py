@@ -108,3 +108,38 @@ def test_grazes_fail_after_a_restart(tmp_path: Path) -> None:
     run(made(0.03), tmp_path, pictures=False)
     with pytest.raises(vv.StepFailure, match="sink into each other by"):
         run(made(0.25), tmp_path, pictures=False, resume=True)
+
+
+def pressed(shift: float, slide: float, **contact: Any) -> vv.System:
+    """Two blocks of one width, the upper one that far aside, pressed by a tenth each, then slid."""
+    soft = vv.NeoHooke(young=1e6, poisson=0.3)
+    above, below = (
+        vv.Solid(
+            mesh=vv.RectangleMesh(size=(1, THICK), counts=counts, origin=origin), material=soft, density=1e3
+        )
+        for counts, origin in (((8, 2), (shift, 0)), ((13, 2), (0, -THICK)))
+    )
+
+    def motion(t: float, points: Any) -> Any:
+        way = np.array([slide * max(t - 1, 0), -0.2 * THICK * min(t, 1), 0])
+        return np.zeros(points.shape) + way[: points.shape[1]]
+
+    touch = vv.Contact(first=above, second=below, formulation="node-to-segment", **contact)
+    moved = vv.Prescribed(solid=above, nodes="y1", motion=motion)
+    return vv.System([above, below, touch, moved, vv.Fixed(solid=below, nodes="y0")])
+
+
+def test_flush_blocks_slide_to_where_others_were_pressed() -> None:
+    """No friction: the way there is the same to them. What the corner had slid was taken for its depth."""
+    places = []
+    for shift, slide in ((0.0, 0.2), (0.1, 0.0)):
+        system = pressed(shift, slide, enforcement="penalty", stiffness=2e6)
+        vv.simulate(system, until=1.5, step=0.05, scheme=vv.Static())
+        places.append(vv.Position(of=system.components[0].point((shift + 0.5, 0, 0)))(system))
+    assert places[0] == pytest.approx(places[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e7, 3e7])
+def test_flush_blocks_slide_in_time(stiffness: float) -> None:
+    system = pressed(0, 0.2, enforcement="penalty", stiffness=stiffness)
+    vv.simulate(system, until=1.4, step=0.02, scheme=vv.EnergyMomentum())

@@ -11,13 +11,19 @@ using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 using Bounds = Eigen::AlignedBox3d;
 
-constexpr double same_side = 0.5;    // cosine of the angle between facets that are one side of a body
+constexpr double same_side = 0.5;  // cosine of the angle between facets that are one side of a body
+constexpr double any_side = -2;
 constexpr double same_place = 1e-9;  // by the size of a facet
 
 Vector3 mean(const Vector3& a, const Vector3& b, double t) { return (1 - t) * a + t * b; }
 
 Triangle triangle(const std::vector<double>& X, const int* corners) {
     return {At(&X[3 * corners[0]]), At(&X[3 * corners[1]]), At(&X[3 * corners[2]])};
+}
+
+Box grown(const Triangle& t, double by) {
+    const Vector3 low = t.a.cwiseMin(t.b).cwiseMin(t.c), high = t.a.cwiseMax(t.b).cwiseMax(t.c);
+    return around({low.array() - by, high.array() + by});
 }
 
 }  // namespace
@@ -84,13 +90,48 @@ int Entrances::side_of(int i, const Motion& motion, const Bodies& bodies) const 
     if (!share) return Sides::nearest;
     const Vector3 x = probes_[i].at(motion.to, *share);
     if (motion.from.empty()) return body.is_shallow(x, shallow_) ? body.nearest(x) : Sides::none;
-    return below(body, entered(i, *share, motion, bodies), x).triangle;
+    return entered(i, *share, motion, bodies).triangle;
 }
 
-// By which triangle has come in what is inside now.
-int Entrances::entered(int i, double share, const Motion& motion, const Bodies& bodies) const {
-    const int before = sides_.of(i).face;
-    return before != Sides::nearest ? before : passed(probes_[i], share, motion, bodies[1 - probes_[i].side]);
+// The triangle, of those of the side by which it has come in, that is next to what is inside now, or one that
+// carries it and is nearer.
+Entrances::Below Entrances::entered(int i, double share, const Motion& motion, const Bodies& bodies) const {
+    const Probe& probe = probes_[i];
+    const Enclosure& body = bodies[1 - probe.side];
+    int triangle = sides_.of(i).face;
+    if (triangle == Sides::nearest) triangle = passed(probe, share, motion, body);
+    if (triangle < 0) return {triangle, 0};
+    const Vector3 x = probe.at(motion.to, share);
+    const Below own = below(body, triangle, x, same_side), next = below(body, own.triangle, x, any_side);
+    if (next.depth >= own.depth) return own;
+    const double held = bodies[probe.side].triangles().empty() ? near_ : shallow_;
+    const bool carried = next.depth <= held || carries(1 - probe.side, next.triangle, bodies);
+    return carried ? next : own;
+}
+
+// Whether bodies hold each other at a triangle of a side, or at those beside it that are one side with it.
+bool Entrances::carries(int side, int triangle, const Bodies& bodies) const {
+    const Enclosure &body = bodies[side], &other = bodies[1 - side];
+    const Triangle& at = body.triangles()[triangle];
+    std::vector<int> own, beside;
+    body.near(grown(at, 0), own);
+    for (const int k : own) {
+        const Triangle& t = body.triangles()[k];
+        if (t.normal().dot(at.normal()) <= same_side) continue;
+        other.near(grown(t, near_), beside);
+        for (const int j : beside) {
+            const Triangle& u = other.triangles()[j];
+            if (side == 0 ? holds(t, u) : holds(u, t)) return true;
+        }
+    }
+    return false;
+}
+
+// Whether triangles of the first side, whose vertices have gaps, and of the second one look at each other,
+// and a vertex lies on it.
+bool Entrances::holds(const Triangle& first, const Triangle& second) const {
+    return first.normal().dot(second.normal()) < -same_side &&
+           std::min({second.distance(first.a), second.distance(first.b), second.distance(first.c)}) <= near_;
 }
 
 // The triangle that a place passes last on its straight way, as that moves itself, or the nearest one. It is
@@ -117,15 +158,15 @@ int Entrances::passed(const Probe& probe, double share, const Motion& motion, co
     return last < 0 ? body.nearest(x1) : last;
 }
 
-// The triangle next to a place of those that are one side with another one.
-Entrances::Below Entrances::below(const Enclosure& body, int triangle, const Vector3& x) {
+// The triangle next to a place of those whose normals are more than `same` along that of another one.
+Entrances::Below Entrances::below(const Enclosure& body, int triangle, const Vector3& x, double same) {
     const std::vector<Triangle>& all = body.triangles();
     const Vector3 normal = all[triangle].normal();
     Below found{triangle, all[triangle].distance(x)};
     std::vector<int> near;
     body.near(around({x.array() - found.depth, x.array() + found.depth}), near);
     for (const int k : near)
-        if (const double d = all[k].distance(x); d < found.depth && all[k].normal().dot(normal) > same_side)
+        if (const double d = all[k].distance(x); d < found.depth && all[k].normal().dot(normal) > same)
             found = {k, d};
     return found;
 }

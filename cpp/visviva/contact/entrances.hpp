@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -22,6 +23,9 @@ class Entrances {
     /// triangles. What is no deeper than `shallow` is carried by the facet next to it, whichever it came by.
     Entrances(const Triangulated& first, const Triangulated& second, double shallow);
 
+    /// How deep gaps are: what is next to a facet by which bodies hold each other is carried by that, and may
+    /// slide along it, such as out of the side that flush bodies have and back.
+    void carry(double seen) { near_ = std::max(shallow_, 2 * seen); }
     /// Makes X the start of a step: what is inside since the last one has come by the facet that it passed.
     /// What was deeper inside where the first step begins has come by none, then and later.
     void settle(const std::vector<double>& X, const Bodies& bodies);
@@ -60,13 +64,15 @@ class Entrances {
     static std::optional<double> inside(const Probe& probe, const std::vector<double>& X,
                                         const Enclosure& body);
     int side_of(int i, const Motion& motion, const Bodies& bodies) const;
-    int entered(int i, double share, const Motion& motion, const Bodies& bodies) const;
+    Below entered(int i, double share, const Motion& motion, const Bodies& bodies) const;
     int passed(const Probe& probe, double share, const Motion& motion, const Enclosure& body) const;
-    static Below below(const Enclosure& body, int triangle, const Eigen::Vector3d& x);
+    static Below below(const Enclosure& body, int triangle, const Eigen::Vector3d& x, double same);
+    bool carries(int side, int triangle, const Bodies& bodies) const;
+    bool holds(const Triangle& first, const Triangle& second) const;
 
     std::vector<Probe> probes_;
     std::array<std::vector<int>, 2> triangles_;
-    double shallow_ = 0;
+    double shallow_ = 0, near_ = 0;
     Sides sides_;
 };
 
@@ -79,11 +85,10 @@ DeepPlace Entrances::deepest(const std::vector<double>& X, const Bodies& bodies,
         const Enclosure& body = bodies[1 - probe.side];
         const std::optional<double> share = inside(probe, X, body);
         if (!share || body.is_shallow(probe.at(X, *share), shallow_)) continue;
-        const int triangle = entered(i, *share, motion, bodies);
+        const auto [triangle, depth] = entered(i, *share, motion, bodies);
         if (triangle < 0) continue;
         const Eigen::Vector3d x = probe.at(X, *share);
-        const Place place{
-            probe.side, triangle, {probe.at(X, 0), probe.at(X, 1)}, x, below(body, triangle, x).depth};
+        const Place place{probe.side, triangle, {probe.at(X, 0), probe.at(X, 1)}, x, depth};
         if (place.depth > found.depth && count(place)) found = {place.depth, x};
     }
     return found;

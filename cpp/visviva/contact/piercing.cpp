@@ -108,6 +108,7 @@ Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen
     const double come = beside(seen, std::max(limit_, deep * least_)), parts = parts_of(X0, X1, come);
     if (parts > most_parts) return {true, false, {}};
     const Bodies start = bodies(X0);
+    entrances_.carry(seen);
     entrances_.settle(X0, start);
     if (!begun_) {
         each_part(X0, start, [this](const Part& part, double, const Vector3&) { given_.push_back(part); });
