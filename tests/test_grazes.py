@@ -29,9 +29,11 @@ def sheet(count: int) -> vv.Shell:
     return vv.Shell(mesh=vv.Mesh(points, flat.cells, face_sets=flat.face_sets), section=section)
 
 
-def falling(kind: str, width: float, over: float, y: float) -> tuple[Any, Any]:
+def falling(
+    kind: str, width: float, over: float, y: float, *, across: float = 0.0, gap: float = GAP
+) -> tuple[Any, Any]:
     """What falls over the border by a part of its width, and its middle."""
-    middle, velocity = (0.5 + width / 2 - over * width, y, GAP + width / 2), (0.0, 0.0, -SPEED)
+    middle, velocity = (0.5 + width / 2 - over * width, y, gap + width / 2), (across, 0.0, -SPEED)
     if kind == "solid":
         corner = np.array(middle) - width / 2
         mesh = vv.BoxMesh(size=(width,) * 3, counts=(1, 1, 1), origin=tuple(corner))
@@ -108,6 +110,37 @@ def test_grazes_fail_after_a_restart(tmp_path: Path) -> None:
     run(made(0.03), tmp_path, pictures=False)
     with pytest.raises(vv.StepFailure, match="sink into each other by"):
         run(made(0.25), tmp_path, pictures=False, resume=True)
+
+
+@pytest.mark.parametrize("kind", ["box", "ball", "solid"])
+def test_one_brick_whose_top_is_named_lets_nothing_through(kind: str) -> None:
+    """All of its edges are at the border of the name; what comes from beside fell through the middle."""
+    body, base = falling(kind, 0.1, -2.0, 0.08, across=-3.0, gap=0.2)[0], plate(1)
+    contact = vv.Contact(first=base, second=body, first_faces="z1", formulation="node-to-segment")
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        vv.simulate(vv.System([base, body, contact, vv.Fixed(solid=base, nodes="z0")]), until=0.3, step=4e-3)
+
+
+@pytest.mark.parametrize("step", [1e-3, 4e-3, 0.03])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_flat_faces_that_are_both_named_let_nothing_through(dim: int, step: float) -> None:
+    """A plate comes over a post between its vertices: beyond the step of that, what is named is apart."""
+    up, kind = "xyz"[dim - 1], vv.BoxMesh if dim == 3 else vv.RectangleMesh
+    keep = [0, 1, 2] if dim == 3 else [0, 2]
+
+    def cut(size: tuple[float, ...], count: int, corner: tuple[float, ...]) -> vv.Solid:
+        counts = (np.array([count, count, 1])[keep]).tolist()
+        mesh: Any = kind(size=np.array(size)[keep], counts=counts, origin=np.array(corner)[keep])
+        return vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=velocity if count == 2 else (0, 0, 0))
+
+    velocity = (-2.0, 0, -SPEED) if dim == 3 else (-2.0, -SPEED, 0)
+    post, above = cut((0.1, 0.1, 0.3), 4, (-0.05, -0.05, -0.3)), cut((1, 1, THICK), 2, (0.15, -0.25, 0.2))
+    named = {"first_faces": up + "0", "second_faces": up + "1"}
+    contact = vv.Contact(first=above, second=post, formulation="node-to-segment", **named)
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        vv.simulate(
+            vv.System([above, post, contact, vv.Fixed(solid=post, nodes=up + "0")]), until=0.4, step=step
+        )
 
 
 def pressed(shift: float, slide: float, **contact: Any) -> vv.System:

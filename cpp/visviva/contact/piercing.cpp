@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 namespace visviva {
 
@@ -18,6 +19,22 @@ using Vector3 = Eigen::Vector3d;
 using At = Eigen::Map<const Vector3>;
 using Bounds = Eigen::AlignedBox<double, 3>;
 
+std::vector<int> of(const std::vector<std::pair<int, int>>& edges) {
+    std::set<int> vertices;
+    for (const auto& [a, b] : edges) vertices.insert({a, b});
+    return {vertices.begin(), vertices.end()};
+}
+
+// Where vertices of both sides are in a step, and by how much they move.
+void sweep(const std::vector<double>& X0, const std::vector<double>& X1, const std::vector<int> (&of)[2],
+           Bounds (&swept)[2], Bounds (&ways)[2]) {
+    for (int side : {0, 1})
+        for (const int v : of[side]) {
+            const Vector3 x0 = At(&X0[3 * v]), x1 = At(&X1[3 * v]);
+            swept[side].extend(x0), swept[side].extend(x1), ways[side].extend(Vector3(x1 - x0));
+        }
+}
+
 }  // namespace
 
 Piercing::Piercing(Sides sides, double limit, double least, std::string cure)
@@ -28,6 +45,7 @@ Piercing::Piercing(Sides sides, double limit, double least, std::string cure)
       sides_{{of_.skin, 0, of_.skin.second_begin}, {of_.skin, of_.skin.second_begin, of_.skin.n_facets()}} {
     for (int side : {0, 1}) {
         if (!of_.encloses[side]) sides_[side].triangles.clear();
+        vertices_[side] = of(sides_[side].edges);
         keep_touching(side);
     }
     if (!of_.thin && limit_ > grazing * least_) entrances_ = {sides_[0], sides_[1], grazing * least_};
@@ -47,10 +65,10 @@ void Piercing::keep_touching(int side) {
             ++beside[std::minmax({corner[i], corner[(i + 1) % n]})][touches];
     }
     const bool by_part = facets[1 - side][0] > 0;
-    std::erase_if(sides_[side].edges, [&](const auto& edge) {
-        const auto& [free, touching] = beside.at(edge);
-        return touching == 0 || (free > 0 && !by_part);
-    });
+    auto& edges = sides_[side].edges;
+    std::erase_if(edges, [&](const auto& edge) { return beside.at(edge)[1] == 0; });
+    touching_[side] = of(edges);
+    std::erase_if(edges, [&](const auto& edge) { return beside.at(edge)[0] > 0 && !by_part; });
 }
 
 std::vector<double> Piercing::positions(const double* q) const {
@@ -143,32 +161,26 @@ bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X
 // How far places on straight ways are beside those of a body that turns: chords lead inwards.
 double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const {
     Vector3 from = Vector3::Zero(), to = Vector3::Zero();
-    for (const auto& [a, b] : sides_[side].edges)
-        for (int v : {a, b}) from += At(&X0[3 * v]), to += At(&X1[3 * v]);
-    const double n = 2.0 * static_cast<double>(sides_[side].edges.size());
+    for (const int v : vertices_[side]) from += At(&X0[3 * v]), to += At(&X1[3 * v]);
+    const double n = static_cast<double>(vertices_[side].size());
     from /= n, to /= n;
     double most = 0;
-    for (const auto& [a, b] : sides_[side].edges)
-        for (int v : {a, b}) {
-            const Vector3 arm = At(&X0[3 * v]) - from, turn = At(&X1[3 * v]) - to - arm;
-            if (arm.norm() > 0) most = std::max(most, turn.squaredNorm() / (8 * arm.norm()));
-        }
+    for (const int v : vertices_[side]) {
+        const Vector3 arm = At(&X0[3 * v]) - from, turn = At(&X1[3 * v]) - to - arm;
+        if (arm.norm() > 0) most = std::max(most, turn.squaredNorm() / (8 * arm.norm()));
+    }
     return most;
 }
 
 // Looks on the way, so many that whatever passes through the least width of a body is deeper than `allowed`
-// at one of them at least; none where they stay apart.
-double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1,
-                          double allowed) const {
+// at one of them at least; none where they stay apart, or their faces that may
+// touch do: flat ones have met in one step, and are behind each other then, until bodies are apart.
+double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed) {
     constexpr double within = 0.8, least_apart = 0.1;  // of where it is deeper; of the least width
-    Bounds swept[2], ways[2];
-    for (int side : {0, 1})
-        for (const auto& [a, b] : sides_[side].edges)
-            for (int v : {a, b}) {
-                const Vector3 x0 = At(&X0[3 * v]), x1 = At(&X1[3 * v]);
-                swept[side].extend(x0), swept[side].extend(x1), ways[side].extend(Vector3(x1 - x0));
-            }
-    if (!swept[0].intersects(swept[1])) return 0;
+    Bounds met[2], swept[2], ways[2];
+    sweep(X0, X1, touching_, met, ways), sweep(X0, X1, vertices_, swept, ways);
+    met_ = swept[0].intersects(swept[1]) && (met_ || met[0].intersects(met[1]));
+    if (!met_) return 0;
     const double apart = within * std::max(1 - 2 * allowed / least_, least_apart);  // by least widths
     if (of_.thin) {
         double parts = 1;
@@ -258,6 +270,7 @@ double Piercing::given(const Part& part, double length) const {
 
 void Piercing::write(std::vector<double>& memory) const {
     memory.push_back(begun_ ? static_cast<double>(given_.size()) : -1);
+    memory.push_back(met_);
     entrances_.write(memory);
     for (const Part& g : given_)
         for (double value : {static_cast<double>(g.side), static_cast<double>(g.edge), g.from, g.to, g.depth})
@@ -267,6 +280,7 @@ void Piercing::write(std::vector<double>& memory) const {
 void Piercing::read(const double*& memory) {
     const double n = *memory++;
     begun_ = n >= 0, given_.clear();
+    met_ = *memory++ != 0;
     entrances_.read(memory);
     for (double k = 0; k < n; ++k, memory += 5)
         given_.push_back(

@@ -65,7 +65,7 @@ class Piercing {
     void each_part(const std::vector<double>& X, const Bodies& bodies, F take) const;
     double given(const Part& part, double length) const;
     double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
-    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed) const;
+    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed);
     double across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
                   const Eigen::AlignedBox3d& swept, const Eigen::AlignedBox3d& ways) const;
 
@@ -73,8 +73,10 @@ class Piercing {
     double limit_, least_;
     std::string cure_;
     Triangulated sides_[2];
+    std::vector<int> vertices_[2], touching_[2];  // of all faces, and of those that may touch
     Entrances entrances_;
     bool begun_ = false;
+    bool met_ = false;         // faces that may touch have, and bodies are not apart since
     std::vector<Part> given_;  // at the start
 };
 
