@@ -9,6 +9,22 @@ namespace visviva::VISVIVA_ISA {
 
 constexpr int L8 = solid_lanes;
 
+/// The inverse of F (3 x 3, by rows); returns its determinant.
+VISVIVA_INLINE V invert(const V* F, V* to) {
+    V cofactor[9];
+    VISVIVA_FLATTEN
+    for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
+    for (int j = 0; j < 3; ++j) {
+        const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
+        cofactor[3 * i + j] = F[3 * k + m] * F[3 * l + n] - F[3 * k + n] * F[3 * l + m];
+    }
+    const V det = F[0] * cofactor[0] + F[1] * cofactor[1] + F[2] * cofactor[2], scale = 1.0 / det;
+    VISVIVA_FLATTEN
+    for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
+    for (int j = 0; j < 3; ++j) to[3 * j + i] = scale * cofactor[3 * i + j];
+    return det;
+}
+
 template <int D, int N>
 struct SolidGeometry {
     static constexpr int stride = L8;  // between what `gradients` points to, of W elements each
@@ -64,7 +80,7 @@ struct SolidGeometry<3, 8> {
     VISVIVA_INLINE void work_out(int q) {
         const double *X = v.X + static_cast<std::int64_t>(block) * n_nodes * 3 * L8 + lane,
                      *dN = v.brick->slopes + q * n_nodes * 3;
-        V J[9] = {}, cofactor[9];
+        V J[9] = {}, inverse[9];
         VISVIVA_FLATTEN
         for (int a = 0; a < n_nodes; ++a) VISVIVA_FLATTEN
         for (int i = 0; i < 3; ++i) {
@@ -72,20 +88,11 @@ struct SolidGeometry<3, 8> {
             VISVIVA_FLATTEN
             for (int k = 0; k < 3; ++k) J[3 * i + k] += place * dN[3 * a + k];
         }
-        VISVIVA_FLATTEN
-        for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
-        for (int j = 0; j < 3; ++j) {
-            const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
-            cofactor[3 * i + j] = J[3 * k + m] * J[3 * l + n] - J[3 * k + n] * J[3 * l + m];
-        }
-        const V det = J[0] * cofactor[0] + J[1] * cofactor[1] + J[2] * cofactor[2], scale = 1.0 / det;
-        w[q] = det * v.brick->weight[q];
-        VISVIVA_FLATTEN
-        for (int k = 0; k < 9; ++k) cofactor[k] *= scale;
+        w[q] = invert(J, inverse) * v.brick->weight[q];
         for (int a = 0; a < n_nodes; ++a) VISVIVA_FLATTEN
         for (int i = 0; i < 3; ++i)
-            G[(q * n_nodes + a) * 3 + i] = cofactor[3 * i] * dN[3 * a] + cofactor[3 * i + 1] * dN[3 * a + 1] +
-                                           cofactor[3 * i + 2] * dN[3 * a + 2];
+            G[(q * n_nodes + a) * 3 + i] =
+                inverse[i] * dN[3 * a] + inverse[3 + i] * dN[3 * a + 1] + inverse[6 + i] * dN[3 * a + 2];
     }
 };
 

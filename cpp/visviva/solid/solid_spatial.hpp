@@ -101,20 +101,6 @@ struct SpatialTangent : SolidBlocks<3, N> {
         }
     }
 
-    VISVIVA_INLINE static void invert(const V* F, V* to) {
-        V cofactor[9];
-        VISVIVA_FLATTEN
-        for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
-        for (int j = 0; j < 3; ++j) {
-            const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, n = (j + 2) % 3;
-            cofactor[3 * i + j] = F[3 * k + m] * F[3 * l + n] - F[3 * k + n] * F[3 * l + m];
-        }
-        const V scale = 1.0 / (F[0] * cofactor[0] + F[1] * cofactor[1] + F[2] * cofactor[2]);
-        VISVIVA_FLATTEN
-        for (int i = 0; i < 3; ++i) VISVIVA_FLATTEN
-        for (int j = 0; j < 3; ++j) to[3 * j + i] = scale * cofactor[3 * i + j];
-    }
-
     VISVIVA_INLINE static void left(const V* ga, const V* c, V* t, V* force) {
         const V g0 = ga[0], g1 = ga[1], g2 = ga[2], *tau = c + n_moduli;
         if constexpr (plain) {
