@@ -89,10 +89,8 @@ class OfPart(OfAll):
 
     def _look(self, time: float, X: Array, found: Array) -> None:
         n = len(X)
-        points = (
-            n,
-            X[[0, n // 2, n - 1]].tobytes(),
-        )  # no cell shares a point with another, nor a batch three of them
+        # no cell shares a point with another, nor a batch three of them
+        points = n, X[[0, n // 2, n - 1]].tobytes()
         before, values = self._last.get(points, (None, np.zeros_like(found)))
         if before == time:
             return
