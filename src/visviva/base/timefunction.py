@@ -34,10 +34,17 @@ OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
 NAMES = {"pi": math.pi}
 NOTICEABLE = 0.05
 """Part of the largest slope of a table by which the slope jumps at a kink; what was sampled finely bends by less."""
+ROUNDING, ULPS = 1e-9, 1e-15
+"""Parts of a step, and of a time, that two times may differ by and still be the same."""
 COMPLEX = 2.0**-100
 """Length of the complex step that expressions are differentiated by."""
 MAX_LENGTH, MAX_DEPTH = 10_000, 300
 CURE = "give a table, or in Python a function"
+
+
+def rounding(time: float, step: float) -> float:
+    """By so much two times near `time` may differ and be the same: k h is not what a table calls that moment."""
+    return max(ROUNDING * abs(step), ULPS * abs(time))
 
 
 def _power(a: complex, b: complex) -> complex:
@@ -127,7 +134,8 @@ class TimeFunction:
     def rate(self, t: float, step: float = 0.0) -> float:
         """Rate at time `t`: exact, but of a Python function by differences of sixth order over parts of a `step`.
 
-        Runs give the length of theirs. Without one, differences over several distances of time are compared.
+        Runs give the length of theirs. Without one, differences over several distances of time are compared. At a point
+        of a table it is that before it, also where the time is behind it by rounding.
         """
         return self._rate(t, step)
 
@@ -153,14 +161,9 @@ class TimeFunction:
         return tuple(t for t, (a, b) in zip(self._times, pairwise(slopes), strict=True) if abs(b - a) > least)
 
     def rate_after(self, t: float, step: float = 0.0) -> float:
-        """Rate just after time `t`: where a function has a kink, what it goes on with."""
+        """Rate just after time `t`: where a function has a kink, be it behind by rounding, what it goes on with."""
         if isinstance(self.source, tuple):
-            table = self.source
-            k = bisect.bisect_right(self._times, t)
-            if k in (0, len(table)):
-                return 0.0
-            (t0, f0), (t1, f1) = table[k - 1], table[k]
-            return (f1 - f0) / (t1 - t0)
+            return self._piece(bisect.bisect_right(self._times, t + rounding(t, step)))[2]
         return float(forward_rate(self._value, t, step)) if callable(self.source) else self.rate(t)
 
     def curvature(self, t: float, step: float = 0.0) -> float:
@@ -211,21 +214,20 @@ class TimeFunction:
             raise InputError(f"{self.source!r} cannot be evaluated at t = {t.real:g}: {error}") from None
 
     # --- a table --------------------------------------------------------------------------------------------
-    def _piece(self, t: float) -> tuple[float, float, float]:
-        """Start, value and slope of the piece that ends at or contains `t`."""
+    def _piece(self, k: int) -> tuple[float, float, float]:
+        """Start, value and slope of the piece that ends at the point `k`."""
         table: Any = self.source
-        k = bisect.bisect_left(self._times, t)
-        if k == 0 or k == len(table):
-            return t, table[min(k, len(table) - 1)][1], 0.0
+        if k in (0, len(table)):
+            return self._times[min(k, len(table) - 1)], table[min(k, len(table) - 1)][1], 0.0
         (t0, f0), (t1, f1) = table[k - 1], table[k]
         return t0, f0, (f1 - f0) / (t1 - t0)
 
     def _interpolate(self, t: float) -> float:
-        start, value, slope = self._piece(t)
+        start, value, slope = self._piece(bisect.bisect_left(self._times, t))
         return value + slope * (t - start)
 
     def _slope(self, t: float, step: float) -> float:
-        return self._piece(t)[2]
+        return self._piece(bisect.bisect_left(self._times, t - rounding(t, step)))[2]
 
 
 def _plain(source: Any) -> Source:

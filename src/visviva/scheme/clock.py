@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 from visviva.base.errors import InputError
+from visviva.base.timefunction import rounding
 
 SLIVER = 0.01
 """Part of a step that no step falls short of: velocities are increments by the length, and rounding of positions
 would fill them."""
 GRADED = 8
 """So many steps since the start there are at least before those with which a run begins lengthen."""
-ROUNDING = 1e-9
-"""Part of a step that two times may differ by and still be the same."""
 
 
 @dataclass
@@ -110,7 +109,7 @@ class Clock:
 
     def rounding(self, until: float) -> float:
         """By so much two times near `until` may differ and be the same."""
-        return max(ROUNDING * self.step, 1e-15 * max(abs(until), abs(self.start)))
+        return rounding(max(abs(until), abs(self.start)), self.step)
 
     def refuse_short(self, until: float, step: float, begins: bool) -> None:
         """Refuse an end that the first step of all would pass; later ones may be cut short, to no sliver."""

@@ -38,8 +38,13 @@ class Attempt:
 
 def next_kink(system: System, until: float) -> float:
     """The next time at which a prescribed function has a kink, `until` at most."""
-    k = bisect.bisect_right(system.kinks, system.time + system.clock.rounding(system.time))
+    k = bisect.bisect_right(system.kinks, _passed(system))
     return min(system.kinks[k], until) if k < len(system.kinks) else until
+
+
+def _passed(system: System) -> float:
+    """The time up to which kinks are behind the present state, or at it but for rounding."""
+    return system.time + system.clock.rounding(system.time)
 
 
 def take(system: System, h: float, scheme: Scheme) -> Any:
@@ -154,13 +159,13 @@ def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Ar
     bool
         Whether rates have changed at once there, as those of what is driven do behind a kink.
     """
+    begun = _passed(system)
     system.stepper.arrive(step, signals, scheme)
     means = system.stepper.means
     if len(means):
         system.v[means] = (system.x[means] - start) / step.h
         system.core.mark_state()
-    near = system.clock.rounding(system.time)
-    bent = system.model.driving.bent(system.time - step.h + near, system.time + near)
+    bent = system.model.driving.bent(begun, _passed(system))
     follows = bool(bent) and scheme.has_inertia and bool(np.any(system.order == 2))
     return follows and _follow_kinks(system, bent, scheme, step.h)
 
