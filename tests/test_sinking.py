@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coarse import bar, coarse_plate
 from scipy.spatial.transform import Rotation
 
 import visviva as vv
-from visviva.contact.hull import hull_of
 from visviva.study.run import run
 
 SPEED, SHARE = 2.0, 0.5
@@ -276,106 +276,6 @@ def test_what_is_round_does_not_fall_through_coarse_solids(shape: Any) -> None:
         vv.simulate(system, until=0.2, step=5e-3)
 
 
-def start(parts: list[Any], cure: str | None) -> None:
-    """A step is taken, or refused with the cure of what fits between vertices."""
-    system = vv.System(parts)
-    if cure is None:
-        vv.simulate(system, until=1e-4, step=1e-4)
-        return
-    with pytest.raises(vv.InputError, match=rf"fits between the vertices of .* {cure}"):
-        vv.simulate(system, until=1e-4, step=1e-4)
-
-
-def coarse_plate(shell: bool = False) -> Any:
-    """Nodes half a length apart."""
-    if shell:
-        sheet = vv.HomogeneousSection(young=1e6, poisson=0.3, thickness=0.1, density=1e3)
-        return vv.Shell(
-            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(2, 2, 1), origin=(0, 0, -1.05)).build().surface("z1"),
-            section=sheet,
-        )
-    mesh = vv.BoxMesh(size=(1, 1, 0.2), counts=(2, 2, 1), origin=(0, 0, -0.2))
-    return vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e6, poisson=0.3), density=1e3)
-
-
-@pytest.mark.parametrize("kind", [vv.Solid, vv.Shell, vv.Obstacle])
-@pytest.mark.parametrize(
-    ("shape", "position", "fits"),
-    [
-        (vv.Box(size=(0.3, 2, 0.3)), (0.25, 0.5, 0.21), True),
-        (vv.Box(size=(0.3, 2, 2)), (0.25, 0.5, 1.06), True),
-        (vv.Box(size=(0.4, 0.4, 0.4)), (0.25, 0.25, 0.26), True),
-        (vv.Box(size=(0.4, 0.4, 0.4)), (0.5, 0.5, 0.26), False),
-        (vv.Sphere(radius=0.33), (0.25, 0.25, 0.41), True),
-        (vv.Sphere(radius=0.37), (0.25, 0.25, 0.45), False),
-        (vv.Box(size=(0.4, 0.4, 0.4)), (2.25, 0.25, 0.26), False),
-    ],
-)
-def test_what_fits_between_vertices_is_refused(kind: Any, shape: Any, position: Any, fits: bool) -> None:
-    """Where no step is watched: it fell through, without a word. Over a vertex, and beside it all, it does not."""
-    plate = coarse_plate(kind is vv.Shell)
-    named: dict[str, Any] = {"first_faces": "upper" if kind is vv.Shell else "z1"}
-    other: Any = vv.RigidBody(shape=shape, density=500.0, position=position)
-    if kind is vv.Obstacle:
-        other = vv.Obstacle(shape=shape, at=position)
-    contact = vv.Contact(first=plate, second=other, formulation="node-to-segment", **named)
-    parts = [plate, other, vv.Fixed(solid=plate, nodes="all" if kind is vv.Shell else "z0"), contact]
-    start(parts, "finer cells" if fits else None)
-
-
-@pytest.mark.parametrize("faces", ["all", "y1"])
-@pytest.mark.parametrize(
-    ("width", "place", "fits"), [(0.4, 0.25, True), (0.6, 0.25, False), (0.2, 0.5, False)]
-)
-def test_what_fits_between_vertices_in_the_plane_is_refused(
-    width: float, place: float, fits: bool, faces: str
-) -> None:
-    lower = vv.RectangleMesh(size=(1, 0.2), counts=(2, 1))
-    upper = vv.RectangleMesh(size=(width, 0.6), counts=(4, 2), origin=(place - width / 2, 0.21))
-    rubber = vv.NeoHooke(young=1e6, poisson=0.3)
-    plate, block = (vv.Solid(mesh=mesh, material=rubber, density=1e3) for mesh in (lower, upper))
-    contact = vv.Contact(first=plate, first_faces=faces, second=block, formulation="node-to-segment")
-    parts = [plate, block, vv.Fixed(solid=plate, nodes="y0"), contact]
-    start(parts, "exchange first and second" if fits else None)
-
-
-def bar(count: int, **options: Any) -> vv.Beam:
-    """A bar 1 m long with this many cells."""
-    line = vv.LineMesh(points=[(-0.5, 0, 0), (0.5, 0, 0)], count=count)
-    return vv.Beam(mesh=line, section=vv.TubeSection(radius=0.02, young=1e7, density=1e3), **options)
-
-
-@pytest.mark.parametrize("kind", [vv.Obstacle, vv.RigidBody])
-@pytest.mark.parametrize(
-    ("shape", "place", "count", "fits"),
-    [
-        (vv.Box(size=(0.1, 1, 0.1)), (0.1, 0, -0.1), 4, True),
-        (vv.Box(size=(0.1, 20, 0.1)), (0.1, 5, -0.1), 4, True),
-        (vv.Box(size=(0.1, 1, 0.1)), (0.1, 0, -0.1), 5, False),
-        (vv.Box(size=(0.19, 1, 0.1)), (0.125, 0, -0.1), 4, True),
-        (vv.Box(size=(0.22, 1, 0.1)), (0.125, 0, -0.1), 4, False),
-        (vv.Sphere(radius=0.05), (0.1, 0, 0.1), 4, True),
-        (vv.Sphere(radius=0.05), (0.52, 0, -0.1), 4, False),
-    ],
-)
-def test_what_fits_between_nodes_of_a_bar_is_refused(
-    kind: Any, shape: Any, place: Any, count: int, fits: bool
-) -> None:
-    """These are balls a quarter or a fifth of a length apart: the bar fell through what is between them."""
-    line, options = bar(count), {"density": 500.0} if kind is vv.RigidBody else {}
-    other = kind(shape=shape, **{"position" if options else "at": place}, **options)
-    start([line, other, vv.Contact(first=line, second=other)], "give .* more cells" if fits else None)
-
-
-def test_bars_by_a_penalty_touch_between_their_nodes() -> None:
-    """As the refusal says: the stretch over a bar stays above it, less what the penalty gives way."""
-    line, peg = bar(4, velocity=(0, 0, -1)), vv.Obstacle(shape=vv.Box(size=(0.1, 1, 0.1)), at=(0.1, 0, -0.1))
-    system = vv.System([line, peg, vv.Contact(first=line, second=peg, enforcement="penalty")])
-    vv.simulate(system, until=0.15, step=1e-3)
-    over = [vv.Position(of=line.point((X, 0, 0)))(system)[2] for X in (0.06, 0.1, 0.14)]
-    assert min(over) > -0.05 + 0.9 * 0.02
-
-
 STEPS = pytest.mark.parametrize("step", [0.005, 0.008, 0.01, 0.015, 0.02, 0.04])
 """Bodies come nearer by a tenth to eight tenths of a width of 0.1 in them: longer ones passed each other, freely."""
 
@@ -481,109 +381,6 @@ def test_what_lands_tilted_on_a_solid_is_seen_by_vertices_alone(angles: tuple[fl
     with pytest.raises(vv.StepFailure, match=r"mortar .* lies tilted: .*'node-to-segment', with .* as first"):
         fallen()
     assert fallen(formulation="node-to-segment") > 0.175
-
-
-def plate_and_strip(width: float, cells: int, speed: float, **strip: Any) -> tuple[vv.Shell, vv.Shell]:
-    """A square plate of so many cells a side that moves over a strip below it, from end to end."""
-    section = vv.HomogeneousSection(thickness=0.02, young=1e7, density=1e3)
-
-    def sheet(mesh: Any, z: float, name: str, **options: Any) -> vv.Shell:
-        flat = mesh.build()
-        points = np.pad(flat.points[:, :2], ((0, 0), (0, 1)), constant_values=z)
-        raised = vv.Mesh(points, flat.cells, face_sets=flat.face_sets)
-        return vv.Shell(mesh=raised, section=section, name=name, **options)
-
-    upper = vv.RectangleMesh(size=(1, 1), counts=(cells, cells), origin=(-0.5, -0.5))
-    lower = vv.RectangleMesh(size=(width, 1), counts=(1, 8), origin=(-width / 2, -0.5))
-    return sheet(upper, 0.0, "plate", velocity=(speed, 0, -0.5)), sheet(lower, -0.1, "strip")
-
-
-@pytest.mark.parametrize(
-    ("width", "cells", "speed"), [(0.1, 2, 1.0), (0.2, 2, 1.0), (0.1, 4, 0.35), (0.2, 4, 0.8)]
-)
-@pytest.mark.parametrize("faces", [{}, {"first_faces": "lower"}])
-@pytest.mark.parametrize("step", [0.01, 0.1])
-def test_shells_that_come_between_vertices_of_shells_later_fail(
-    width: float, cells: int, speed: float, faces: Any, step: float
-) -> None:
-    """They have no depth but their thickness, through which what lay between vertices fell freely."""
-    plate, strip = plate_and_strip(width, cells, speed)
-    contact = vv.Contact(first=plate, second=strip, formulation="node-to-segment", **faces)
-    held = [vv.Clamped(solid=strip, nodes=ends) for ends in ("y0", "y1")]
-    with pytest.raises(vv.StepFailure, match=r"sink into each other by .* 'plate' alone touch .*'mortar'"):
-        vv.simulate(vv.System([plate, strip, *held, contact]), until=0.6, step=step)
-
-
-@pytest.mark.parametrize("speed", [0.3, 1.0])
-def test_plane_beams_that_come_between_vertices_of_others_later_fail(speed: float) -> None:
-    section = vv.RectangleSection(width=0.02, height=0.02, young=1e7, density=1e3)
-
-    def line(start: Any, end: Any, count: int, **options: Any) -> vv.PlaneBeam:
-        return vv.PlaneBeam(mesh=vv.LineMesh(points=[start, end], count=count), section=section, **options)
-
-    bar = line((-0.5, 0, 0), (0.5, 0, 0), 4, velocity=(speed, -0.5, 0))
-    post = line((0, -0.5, 0), (0, -0.1, 0), 8)
-    contact = vv.Contact(first=bar, second=post, formulation="node-to-segment")
-    with pytest.raises(vv.StepFailure, match=r"sink into each other by .* alone touch"):
-        vv.simulate(
-            vv.System([bar, post, vv.Clamped(solid=post, nodes="start"), contact]), until=0.6, step=0.01
-        )
-
-
-@pytest.mark.parametrize("branches", [False, True])
-def test_hulls_of_shells_are_closed_at_kinks_and_branches(branches: bool) -> None:
-    """By the divergence theorem; at a kink half of the cell that stands, as its sides meet where others go on."""
-    points = [(x, y, 0.0) for x in (0.0, 0.5, 1.0) for y in (0.0, 1.0)] + [
-        (1, 0, 1),
-        (1, 1, 1),
-        (1.5, 0, 0),
-        (1.5, 1, 0),
-    ]
-    cells = [[0, 2, 3, 1], [2, 4, 5, 3], [4, 6, 7, 5]] + ([[4, 8, 9, 5]] if branches else [])
-    section = vv.HomogeneousSection(thickness=0.02, young=1e6, poisson=0.3, density=1e3)
-    used = points if branches else points[:8]
-    shell = vv.Shell(mesh=vv.Mesh(used, {"quad4": cells}), section=section, kinks="rigid")
-    strip = plate_and_strip(0.1, 2, 0.0)[1]  # is watched beside either
-    start([shell, strip, vv.Contact(first=shell, second=strip, formulation="node-to-segment")], None)
-    hull = hull_of(shell)
-    assert hull is not None
-    a, b, c, d = (hull.places[hull.facets[:, k]] for k in range(4))
-    areas = 0.5 * np.cross(c - a, d - b)
-    np.testing.assert_allclose(areas.sum(axis=0), 0, atol=1e-15)
-    assert np.einsum("mi,mi->", areas, a + b + c + d) / 12 == pytest.approx((2.5 if branches else 1.5) * 0.02)
-
-
-def with_fin(mesh: Any, height: float) -> vv.Mesh:
-    """A flat mesh with cells that stand on its middle line."""
-    flat = mesh.build()
-    flat_points = np.pad(flat.points[:, :2], ((0, 0), (0, 1)))
-    row = np.flatnonzero(np.abs(flat_points[:, 0]) < 1e-9)
-    row = row[np.argsort(flat_points[row, 1])]
-    new = len(flat_points) + np.arange(len(row))
-    points = np.concatenate([flat_points, flat_points[row] + [0, 0, height]])
-    fin = np.column_stack([row[:-1], row[1:], new[1:], new[:-1]])
-    return vv.Mesh(points, {"quad4": np.concatenate([flat.cells["quad4"], fin])})
-
-
-@pytest.mark.parametrize("cells", [2, 4])
-@pytest.mark.parametrize("speed", [0.35, 1.0])
-def test_shells_with_branches_fail_as_others_do(cells: int, speed: float) -> None:
-    """They had no closed surface, and fell through each other between their vertices."""
-    section = vv.HomogeneousSection(thickness=0.02, young=1e7, density=1e3)
-
-    def shell(mesh: Any, name: str, **options: Any) -> vv.Shell:
-        return vv.Shell(mesh=mesh, section=section, kinks="rigid", name=name, **options)
-
-    wide = vv.RectangleMesh(size=(1, 1), counts=(cells, cells), origin=(-0.5, -0.5))
-    slim = with_fin(vv.RectangleMesh(size=(0.1, 1), counts=(2, 8), origin=(-0.05, -0.5)), -0.3)
-    low = vv.Mesh(slim.points - [0, 0, 0.1], slim.cells)
-    plate, strip = shell(with_fin(wide, 0.5), "plate", velocity=(speed, 0, -0.5)), shell(low, "strip")
-    ends = np.flatnonzero(np.abs(np.abs(strip.points[:, 1]) - 0.5) < 1e-9)
-    contact = vv.Contact(first=plate, second=strip, formulation="node-to-segment")
-    with pytest.raises(vv.StepFailure, match=r"sink into each other by .* 'plate' alone touch"):
-        vv.simulate(
-            vv.System([plate, strip, vv.Clamped(solid=strip, nodes=ends), contact]), until=0.6, step=0.01
-        )
 
 
 def with_rings(radius: float, length: float, corners: int, pieces: int) -> vv.SurfaceMesh:
