@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import visviva as vv
+from visviva.mesh.faces import Faces
 from visviva.study.run import run
 
 SOFT = vv.NeoHooke(young=1e7, poisson=0.3)
@@ -119,6 +120,43 @@ def test_one_brick_whose_top_is_named_lets_nothing_through(kind: str) -> None:
     contact = vv.Contact(first=base, second=body, first_faces="z1", formulation="node-to-segment")
     with pytest.raises(vv.StepFailure, match="sink into each other by"):
         vv.simulate(vv.System([base, body, contact, vv.Fixed(solid=base, nodes="z0")]), until=0.3, step=4e-3)
+
+
+def faces_of(post: vv.Solid, *names: str) -> Faces:
+    """Several faces of bricks as one set."""
+    sets = [post.mesh.face_sets[name] for name in names]
+    joined = (
+        {"quad4": np.concatenate([part["quad4"] for part in parts])}
+        for parts in zip(*((faces.cells, faces.owners) for faces in sets), strict=True)
+    )
+    return Faces(*joined)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("several", [False, True])
+@pytest.mark.parametrize("kind", ["rigid", "solid"])
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.09, 0.15, 0.2, 0.4])
+def test_a_bar_does_not_pass_a_post_of_which_a_face_is_named(
+    step: float, kind: str, several: bool, side: int
+) -> None:
+    """Only what is before its middle is as deep as its face: looks that suit both sides of that missed a fifth."""
+    post = vv.Solid(
+        mesh=vv.BoxMesh(size=(0.1, 0.2, 1.0), counts=(1, 1, 1), origin=(-0.05, -0.1, -0.5)).build(),
+        material=vv.NeoHooke(young=1e9, poisson=0.3),
+        density=1e3,
+    )
+    middle, velocity = np.array([0.15 * side, 0.2, 0]), (-side * SPEED, 0, 0)
+    bar: Any = vv.RigidBody(
+        shape=vv.Box(size=(0.1, 1.0, 0.1)), density=1e3, position=tuple(middle), velocity=velocity
+    )
+    if kind == "solid":
+        mesh = vv.BoxMesh(size=(0.1, 1.0, 0.1), counts=(1, 3, 1), origin=tuple(middle - [0.05, 0.5, 0.05]))
+        bar = vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=velocity)
+    name = "x1" if side > 0 else "x0"
+    faces: Any = faces_of(post, name, "y1") if several else name
+    contact = vv.Contact(first=post, second=bar, first_faces=faces, formulation="node-to-segment")
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        vv.simulate(vv.System([post, bar, contact, vv.Fixed(solid=post, nodes="z0")]), until=0.4, step=step)
 
 
 @pytest.mark.parametrize("step", [1e-3, 4e-3, 0.03])

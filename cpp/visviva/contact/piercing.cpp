@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace visviva {
 
@@ -26,8 +27,8 @@ std::vector<int> of(const std::vector<std::pair<int, int>>& edges) {
 }
 
 // Where vertices of both sides are in a step, and by how much they move.
-void sweep(const std::vector<double>& X0, const std::vector<double>& X1, const std::vector<int> (&of)[2],
-           Bounds (&swept)[2], Bounds (&ways)[2]) {
+void sweep(const std::vector<double>& X0, const std::vector<double>& X1,
+           const std::array<std::vector<int>, 2>& of, Bounds (&swept)[2], Bounds (&ways)[2]) {
     for (int side : {0, 1})
         for (const int v : of[side]) {
             const Vector3 x0 = At(&X0[3 * v]), x1 = At(&X1[3 * v]);
@@ -61,6 +62,7 @@ void Piercing::keep_touching(int side) {
         const int of = f >= of_.skin.second_begin, touches = of_.faces[f] != 0, n = of_.skin.n_corners(f);
         const int* corner = of_.skin.corners(f);
         ++facets[of][touches];
+        named_ = named_ || !touches;
         for (int i = 0; of == side && i < n; ++i)
             ++beside[std::minmax({corner[i], corner[(i + 1) % n]})][touches];
     }
@@ -123,7 +125,12 @@ double Piercing::beside(double seen, double without) const {
 Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen) {
     constexpr double deep = 0.25;  // of the least width, by which what has met may come in within a step
     const std::vector<double> X0 = positions(q0), X1 = positions(q1);
-    const double come = beside(seen, std::max(limit_, deep * least_)), parts = parts_of(X0, X1, come);
+    const double come = beside(seen, std::max(limit_, deep * least_));
+    const TurnedWays ways(X0, X1, of_.skin.n_vertices(), vertices_, grazing * least_);
+    Pass by;
+    pass(ways, Middle::straight, by);
+    if (ways.forks()) pass(ways, Middle::round, by);
+    const double parts = parts_of(by, come);
     if (parts > most_parts) return {true, false, {}};
     const Bodies start = bodies(X0);
     entrances_.carry(seen);
@@ -133,63 +140,60 @@ Piercing::Finding Piercing::look(const double* q0, const double* q1, double seen
         begun_ = true;
     }
     Finding found;
-    found.sinks = sinks(X0, X1, static_cast<int>(parts), {beside(seen, limit_), come}, found.worst);
+    const int n = static_cast<int>(parts);
+    const Allowed allowed{beside(seen, limit_), come};
+    found.sinks = sinks(ways, Middle::straight, n, allowed, found.worst);
+    if (ways.forks()) found.outruns = sinks(ways, Middle::round, n, allowed, found.worst) != found.sinks;
     return found;
 }
 
 // The end is looked at first, which ways to it may not be deeper than.
-bool Piercing::sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, Allowed allowed,
+bool Piercing::sinks(const TurnedWays& ways, Middle middle, int parts, Allowed allowed,
                      DeepPlace& worst) const {
-    std::vector<double> X = X1;
     std::optional<double> before;
     double after = 0;
-    const double sag = parts > 1 ? sagitta(X0, X1, 0) + sagitta(X0, X1, 1) : 0;
     for (int part = parts; part > 0; --part) {
-        const bool ends = part == parts;
-        const double s = static_cast<double>(part) / parts;
-        for (std::size_t i = 0; !ends && i < X.size(); ++i) X[i] = (1 - s) * X0[i] + s * X1[i];
-        worst = deepest(X);
-        const double depth = ends ? after = worst.depth : worst.depth - sag;
+        worst = deepest(ways.at(static_cast<double>(part) / parts, middle));
+        const double depth = worst.depth;
+        if (part == parts) after = depth;
         if (depth <= allowed.in) continue;
-        if (!before) before = deepest(X0).depth;
+        if (!before) before = deepest(ways.at(0, middle)).depth;
         const double most = *before > limit_ ? *before : allowed.come;
         if (depth > std::min(most, std::max(*before, after) + limit_)) return true;
     }
     return false;
 }
 
-// How far places on straight ways are beside those of a body that turns: chords lead inwards.
-double Piercing::sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const {
-    Vector3 from = Vector3::Zero(), to = Vector3::Zero();
-    for (const int v : vertices_[side]) from += At(&X0[3 * v]), to += At(&X1[3 * v]);
-    const double n = static_cast<double>(vertices_[side].size());
-    from /= n, to /= n;
-    double most = 0;
-    for (const int v : vertices_[side]) {
-        const Vector3 arm = At(&X0[3 * v]) - from, turn = At(&X1[3 * v]) - to - arm;
-        if (arm.norm() > 0) most = std::max(most, turn.squaredNorm() / (8 * arm.norm()));
+void Piercing::pass(const TurnedWays& ways, Middle middle, Pass& pass) const {
+    std::vector<double> X = ways.at(0, middle);
+    for (int stage = 1; stage <= ways.stages(); ++stage) {
+        const std::vector<double> from = std::exchange(X, ways.at(1.0 * stage / ways.stages(), middle));
+        Bounds met[2], swept[2], gone[2];
+        sweep(from, X, touching_, met, gone), sweep(from, X, vertices_, swept, gone);
+        if (!swept[0].intersects(swept[1])) continue;
+        pass.near = true, pass.touches = pass.touches || met[0].intersects(met[1]);
+        pass.widths = std::max(pass.widths, ways.stages() * widths(from, X, swept, gone));
     }
-    return most;
+}
+
+double Piercing::widths(const std::vector<double>& X0, const std::vector<double>& X1,
+                        const Bounds (&swept)[2], const Bounds (&ways)[2]) const {
+    if (of_.thin) return std::max(across(X0, X1, 0, swept[1], ways[1]), across(X0, X1, 1, swept[0], ways[0]));
+    const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
+    return way.norm() / least_;
 }
 
 // Looks on the way, so many that whatever passes through the least width of a body is deeper than `allowed`
-// at one of them at least; none where they stay apart, or their faces that may
-// touch do: flat ones have met in one step, and are behind each other then, until bodies are apart.
-double Piercing::parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed) {
+// at one of them at least, below faces that may touch: these may be those of one side of its middle. None
+// where they stay apart, or their faces that may touch do: flat ones have met in one step, and are behind
+// each other then, until bodies are apart.
+double Piercing::parts_of(const Pass& pass, double allowed) {
     constexpr double within = 0.8, least_apart = 0.1;  // of where it is deeper; of the least width
-    Bounds met[2], swept[2], ways[2];
-    sweep(X0, X1, touching_, met, ways), sweep(X0, X1, vertices_, swept, ways);
-    met_ = swept[0].intersects(swept[1]) && (met_ || met[0].intersects(met[1]));
+    met_ = pass.near && (met_ || pass.touches);
     if (!met_) return 0;
-    const double apart = within * std::max(1 - 2 * allowed / least_, least_apart);  // by least widths
-    if (of_.thin) {
-        double parts = 1;
-        for (int side : {0, 1})
-            parts = std::max(parts, across(X0, X1, side, swept[1 - side], ways[1 - side]) / apart);
-        return std::ceil(parts);
-    }
-    const Vector3 way = (ways[0].max() - ways[1].min()).cwiseMax(ways[1].max() - ways[0].min());
-    return std::max(1.0, std::ceil(way.norm() / least_ / apart));
+    const double sides = named_ ? 1 : 2;
+    const double apart = within * sides * std::max(0.5 - allowed / least_, 0.5 * least_apart);
+    return std::max(1.0, std::ceil(pass.widths / apart));
 }
 
 // The way of sheets, which may be slid along, across their triangles, by what is behind these.

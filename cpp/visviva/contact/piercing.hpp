@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "visviva/contact/entrances.hpp"
+#include "visviva/contact/turned_ways.hpp"
 
 namespace visviva {
 
@@ -25,7 +26,9 @@ class Piercing {
     Piercing(Sides sides, double limit, double least, std::string cure);
 
     struct Finding {
-        bool outruns = false;  // bodies pass by more of their least width in a step than is looked at
+        // Bodies pass by more of their least width in a step than is looked at, or sink on one way alone of
+        // those that they may have gone.
+        bool outruns = false;
         bool sinks = false;
         DeepPlace worst;  // where they do
     };
@@ -51,8 +54,7 @@ class Piercing {
         double in, come;
     };
     double beside(double seen, double without) const;
-    bool sinks(const std::vector<double>& X0, const std::vector<double>& X1, int parts, Allowed allowed,
-               DeepPlace& worst) const;
+    bool sinks(const TurnedWays& ways, Middle middle, int parts, Allowed allowed, DeepPlace& worst) const;
     DeepPlace deepest(const std::vector<double>& X) const;
     std::vector<double> positions(const double* q) const;
     void keep_touching(int side);
@@ -64,8 +66,15 @@ class Piercing {
     template <class F>
     void each_part(const std::vector<double>& X, const Bodies& bodies, F take) const;
     double given(const Part& part, double length) const;
-    double sagitta(const std::vector<double>& X0, const std::vector<double>& X1, int side) const;
-    double parts_of(const std::vector<double>& X0, const std::vector<double>& X1, double allowed);
+    // How bodies go by each other: by how many least widths in a step, where the boxes of their ways meet.
+    struct Pass {
+        bool near = false, touches = false;
+        double widths = 0;
+    };
+    void pass(const TurnedWays& ways, Middle middle, Pass& pass) const;
+    double widths(const std::vector<double>& X0, const std::vector<double>& X1,
+                  const Eigen::AlignedBox3d (&swept)[2], const Eigen::AlignedBox3d (&ways)[2]) const;
+    double parts_of(const Pass& pass, double allowed);
     double across(const std::vector<double>& X0, const std::vector<double>& X1, int side,
                   const Eigen::AlignedBox3d& swept, const Eigen::AlignedBox3d& ways) const;
 
@@ -73,7 +82,8 @@ class Piercing {
     double limit_, least_;
     std::string cure_;
     Triangulated sides_[2];
-    std::vector<int> vertices_[2], touching_[2];  // of all faces, and of those that may touch
+    std::array<std::vector<int>, 2> vertices_, touching_;  // of all faces, and of those that may touch
+    bool named_ = false;                                   // some may not
     Entrances entrances_;
     bool begun_ = false;
     bool met_ = false;         // faces that may touch have, and bodies are not apart since
