@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import visviva as vv
 
@@ -197,3 +198,81 @@ def test_slopes_beside_a_point_do_not_ask_for_its_last_digit() -> None:
         for t in begin + 1 + np.array([-5e-12, 0, 5e-12]):
             assert (table.rate(t, 0.01), table.rate_after(t, 0.01)) == (0, 3)
         assert (table.rate(begin + 1.001, 0.01), table.rate_after(begin + 0.999, 0.01)) == (3, 0)
+
+
+ENDS = [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha(rho=0.0), vv.GeneralizedAlpha()]
+WITHIN = {
+    "one": [[0, 0], [0.1037, 0], [0.5037, 0.4]],
+    "two": [[0, 0], [0.101, 0], [0.104, 0.006], [0.504, 0.406]],
+}
+
+
+@pytest.mark.parametrize("kinks", WITHIN)
+@pytest.mark.parametrize("kind", ["motor", "servo"])
+@pytest.mark.parametrize("scheme", ENDS, ids=str)
+def test_work_of_kinks_within_a_step(scheme: Any, kind: str, kinks: str) -> None:
+    """J w^2 / 2; by a part of that more, at every step, as the step's multipliers did some of it before the impulse."""
+    errors = []
+    for step in (0.01, 0.005):
+        result = vv.simulate(led(WITHIN[kinks], kind)[0], until=0.3, step=step, scheme=scheme)
+        errors.append(all_work(result) - 1.5)
+    assert abs(errors[0]) < (2e-2 if scheme.order == 1 else 1e-3)
+    assert abs(errors[1]) < 0.6 * abs(errors[0]) + 1e-6
+
+
+def test_prescribed_nodes_do_the_work_of_a_kink_within_a_step() -> None:
+    """m v^2 / 2 of a load on a rod, 1 J, by a block of hardly any mass."""
+    for scheme in ENDS:
+        block = vv.Solid(
+            mesh=vv.BoxMesh(size=(1, 1, 1), counts=(1, 1, 1)),
+            material=vv.NeoHooke(young=1e-6, poisson=0.3),
+            density=1e-6,
+        )
+        load = vv.PointMass(mass=2.0, position=(3, 0, 0))
+        push = vv.Prescribed(solid=block, nodes="x1", motion=([[0, 0], [0.1037, 0], [1.1037, 1]], 0, 0))
+        rod = vv.Distance(a=block.point((1, 0, 0)), b=load.point())
+        system = vv.System([block, load, push, rod])
+        result = vv.simulate(system, until=0.3, step=0.01, scheme=scheme)
+        assert result.ledger.last("work_prescribed motion") == pytest.approx(1.0, abs=1e-6)
+
+
+def folding(at: float, elbow: tuple[float, float], until: float) -> list[float]:
+    """Work of both drives of an arm of two equal links whose shoulder begins to turn by 1 rad/s, its elbow from one of
+    these rates to the other: Lagrange's equations with their impulses."""
+    m, J = 2.0, 1.0
+    cos, sin = np.cos(at * elbow[0]), np.sin
+
+    mixed = J + m + 2 * m * cos
+    M = np.array([[2 * J + 6 * m + 4 * m * cos, mixed], [mixed, J + m]])
+    before, after = np.array([0, elbow[0]]), np.array([1, elbow[1]])
+    work = M @ (after - before) * (before + after) / 2
+
+    def power(t: float, which: int) -> float:
+        (a, b), bend = (before, elbow[0] * t) if t < at else (after, elbow[0] * at + elbow[1] * (t - at))
+        lever = -2 * m * sin(bend)
+        return float(lever * (2 * a * b + b * b) * a if which == 0 else -lever * a * a * b)
+
+    return [work[k] + quad(power, 0, until, (k,), points=[at])[0] for k in (0, 1)]
+
+
+@pytest.mark.parametrize("elbow", [(0.0, -2.0), (-2.0, -2.0)])
+@pytest.mark.parametrize(("at", "far"), [(0.1, 1e-4), (0.1037, 1e-3)])
+@pytest.mark.parametrize("scheme", [*LED, vv.BackwardEuler()], ids=str)
+def test_each_drive_of_an_arm_does_the_work_of_its_own_impulse(
+    scheme: Any, at: float, far: float, elbow: tuple[float, float]
+) -> None:
+    """Servo and motor had half of it each, 1.5 J and 1.8 J for 4 J and -.7 J, and one without a kink had nothing."""
+    ground = vv.Ground()
+    turning: Any = {"velocity": (0, elbow[0], 0), "angular_velocity": (0, 0, elbow[0])}
+    upper = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1, 0, 0))
+    lower = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(3, 0, 0), **turning)
+    shoulder = vv.Revolute(a=ground, b=upper, at=(0, 0, 0), axis=(0, 0, 1), angle=True)
+    joint = vv.Revolute(a=upper, b=lower, at=(2, 0, 0), axis=(0, 0, 1), angle=True)
+    bend = at * elbow[0]
+    motor = vv.Motor(joint=joint, motion=[[0, 0], [at, bend], [at + 1, bend + elbow[1]]])
+    servo = vv.Servo(output=[shoulder], follows=[[[0, 0], [at, 0], [at + 1, 1]]], actuators=[shoulder])
+    system = vv.System([ground, upper, lower, shoulder, joint, motor, servo])
+    ledger = vv.simulate(system, until=0.2, step=0.005, scheme=scheme).ledger
+    found = [ledger.last("work_servo"), ledger.last("work_drive")]
+    size = max(map(abs, wanted := folding(at, elbow, 0.2)))
+    assert found == pytest.approx(wanted, abs=size * (5e-3 if scheme.order == 1 else far))

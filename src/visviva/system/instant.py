@@ -80,6 +80,17 @@ def refuse_infinite(system: System, unknowns: Ints, values: Array) -> None:
         )
 
 
+def inertia(system: System, a: Array) -> Array:
+    """Inertia forces on all unknowns (n,), those that are held too, by accelerations (n,)."""
+    factor = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
+    step = instant(system.time, leading=factor)
+    with returning(system):
+        system.core.dx[:] = a / factor
+        moved = system.residual(step)
+    forces: Array = moved - system.residual(step)
+    return forces
+
+
 class Instant:
     """The linear equations of a system at its present state.
 
@@ -196,16 +207,18 @@ class Instant:
         """Span from now over which functions of time are looked at: a step, as far as its length is known."""
         return self.system.clock.step or NO_STEP
 
-    def drift(self) -> Array:
-        """Partial time derivative (m,) of the constraints."""
-        system, total = self.system, np.zeros(len(self.multipliers))
+    def drift(self, signals: Array | None = None, prescribed: Array | None = None) -> Array:
+        """Partial time derivative (m,) of the constraints, or what these rates of signals and unknowns make of it."""
+        system, total, alone = self.system, np.zeros(len(self.multipliers)), signals is not None
         if system.model.driving.signals:
-            total = self._by_signals(system.signals(instant(system.time))[3].copy())
+            total = self._by_signals(
+                system.signals(instant(system.time))[3].copy() if signals is None else signals
+            )
         if system.model.driving.prescribed:
-            h = self.moment
-            along = h * self.prescribed(lambda p: system.v[p.unknowns])
+            h, v = self.moment, system.v if prescribed is None else prescribed
+            along = h * self.prescribed(lambda p: v[p.unknowns])
             total = total + 0.5 / h * (self.values_at(along) - self.values_at(-along))
-        if self._sees_clock:
+        if self._sees_clock and not alone:
             total = total + forward_rate(self.violation, 0.0, system.clock.step)
         return total
 
@@ -266,14 +279,7 @@ class Instant:
 
     def prescribed_inertia(self) -> Array:
         """Inertia forces (n,) on the coordinates by the accelerations of prescribed unknowns."""
-        system, a = self.system, self.prescribed_acceleration()
-        factor = 1e6 * max(float(np.abs(a).max(initial=0.0)), 1.0)
-        step = instant(system.time, leading=factor)
-        with returning(system):
-            system.core.dx[:] = a / factor
-            moved = system.residual(step)
-        force: Array = (moved - system.residual(step))[self.coordinates]
-        return force
+        return inertia(self.system, self.prescribed_acceleration())[self.coordinates]
 
     def values_at(self, dx: Array) -> Array:
         """Values (m,) of the constraints at a trial increment of all unknowns."""

@@ -15,6 +15,7 @@ from visviva.base.errors import InputError, NotFinite
 from visviva.component.limited import Limited
 from visviva.system.agreement import stepping
 from visviva.system.growing import refuse_imbalance, watches
+from visviva.system.kinks import Before, evaluate_ledger_again, follow_kinks, passed
 from visviva.system.memory import Trial
 from visviva.system.newton import GivenUp, StepFailure
 from visviva.system.steep_heat import begin_even
@@ -38,13 +39,8 @@ class Attempt:
 
 def next_kink(system: System, until: float) -> float:
     """The next time at which a prescribed function has a kink, `until` at most."""
-    k = bisect.bisect_right(system.kinks, _passed(system))
+    k = bisect.bisect_right(system.kinks, passed(system))
     return min(system.kinks[k], until) if k < len(system.kinks) else until
-
-
-def _passed(system: System) -> float:
-    """The time up to which kinks are behind the present state, or at it but for rounding."""
-    return system.time + system.clock.rounding(system.time)
 
 
 def take(system: System, h: float, scheme: Scheme) -> Any:
@@ -61,9 +57,9 @@ def _taken(system: System, h: float, scheme: Scheme) -> Any:
         accept(system, attempt, scheme)
         return attempt.report
     signals = system.signals(step).copy() if system.model.driving.signals else None
-    start = system.x[system.stepper.means]
+    before = Before.of(system)
     report = _solve(system, system.core.advance, step, signals)
-    _arrive(system, step, system.signals(step) if signals is None else signals, scheme, start)
+    _arrive(system, step, system.signals(step) if signals is None else signals, scheme, before)
     return report
 
 
@@ -79,11 +75,11 @@ def accept(system: System, attempt: Attempt, scheme: Scheme) -> None:
     """Make the increment of an attempt the new state; a step to where energies or rates have no value has failed."""
     project = system.projects(scheme)
     x0, dx = (system.x.copy(), system.core.dx.copy()) if project else (system.x, system.x)
-    start = system.x[system.stepper.means]
+    before = Before.of(system)
     with Trial(system), _failing(system, attempt.step):
         refuse_invalid(system, attempt.step)
         _refuse_failed(system, attempt.step, system.core.accept(attempt.step, attempt.signals, True))
-    jumped = _arrive(system, attempt.step, attempt.signals, scheme, start)
+    jumped = _arrive(system, attempt.step, attempt.signals, scheme, before)
     if project and not (jumped and scheme.needs_acceleration):  # whose rates satisfy the constraints already
         _project(system, attempt.step, scheme, x0, dx)
 
@@ -151,50 +147,22 @@ def _keep_factor(system: System) -> float:
     return 0.0 if redundant else system.newton.keep_factor
 
 
-def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, start: Array) -> bool:
-    """Take the state for that of a step from where positions that are moved by means had these values.
+def _arrive(system: System, step: Any, signals: Array, scheme: Scheme, before: Before) -> bool:
+    """Take the state for that of a step from what was `before`.
 
     Returns
     -------
     bool
         Whether rates have changed at once there, as those of what is driven do behind a kink.
     """
-    begun = _passed(system)
     system.stepper.arrive(step, signals, scheme)
     means = system.stepper.means
     if len(means):
-        system.v[means] = (system.x[means] - start) / step.h
+        system.v[means] = (system.x[means] - before.places) / step.h
         system.core.mark_state()
-    bent = system.model.driving.bent(begun, _passed(system))
+    bent = system.model.driving.bent(before.passed, passed(system))
     follows = bool(bent) and scheme.has_inertia and bool(np.any(system.order == 2))
-    return follows and _follow_kinks(system, bent, scheme, step.h)
-
-
-def _follow_kinks(system: System, accounts: set[int], scheme: Scheme, h: float) -> bool:
-    """Give what is driven the rates behind a kink of its motion, by impulses whose work these accounts share.
-
-    Schemes with a history begin a new one there: theirs is that of another motion. Whether all this could be done, as
-    it cannot where inputs do not accelerate their outputs.
-    """
-    from visviva.system.actuated import Actuated
-    from visviva.system.consistency import project_velocities, restart_motion
-
-    stepper, before = system.stepper, system.core.energy.sum()
-    last, has_rates = stepper.last, stepper.has_rates
-    if at := Actuated(system) if system.n_constraints else None:
-        at.factor()
-        if at.is_open:
-            return False
-    system.follow_prescribed()
-    if at:
-        project_velocities(system, at)
-    if scheme.needs_acceleration:
-        restart_motion(system, scheme, h)
-    _evaluate_ledger_again(system)
-    system.core.work[list(accounts)] += (system.core.energy.sum() - before) / len(accounts)
-    stepper.led_by(last)
-    stepper.has_rates = has_rates
-    return True
+    return follows and follow_kinks(system, step, scheme, before, bent)
 
 
 def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) -> None:
@@ -202,16 +170,6 @@ def _project(system: System, step: Any, scheme: Scheme, x0: Array, dx: Array) ->
     from visviva.system.consistency import project_step
 
     work = project_step(system, step, scheme.motion(step.h), x0, x0 + dx)
-    _evaluate_ledger_again(system)
+    evaluate_ledger_again(system)
     for (_, account), part in zip(system.model.driving.working, work, strict=True):
         system.core.work[account] += part
-
-
-def _evaluate_ledger_again(system: System) -> None:
-    """The sums of the state after its rates were changed, as the step leaves it; what the step has brought stays."""
-    core = system.core
-    core.mark_state()
-    brought = [(of_step, of_step.copy()) for of_step in (core.work, core.entropy, core.release)]
-    system.evaluate_ledger()
-    for of_step, before in brought:
-        of_step[:] = before
