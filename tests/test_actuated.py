@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import visviva as vv
-from visviva.system.actuated import Actuated
+from visviva.system.actuated import Actuated, leaves_rates
 
 Array = NDArray[np.float64]
 MIDPOINTS = [vv.EnergyMomentum(), vv.Midpoint(), vv.VariationalMidpoint()]
@@ -99,10 +99,10 @@ def test_support_bears_what_a_servo_pushes_off(led: str) -> None:
 GRAVITY = 9.81
 
 
-def crane(path: Any) -> tuple[vv.System, vv.Revolute, Any]:
+def crane(path: Any, mass: float = 10.0, inertia: float = 1.0) -> tuple[vv.System, vv.Revolute, Any]:
     ground = vv.Ground()
-    trolley = vv.RigidBody(mass=10.0, inertia=(1, 1, 1))
-    load = vv.RigidBody(mass=1.0, inertia=(1, 1, 1), position=(0, -1, 0))
+    trolley = vv.RigidBody(mass=mass, inertia=(1, 1, 1))
+    load = vv.RigidBody(mass=1.0, inertia=(inertia,) * 3, position=(0, -1, 0))
     rail = vv.Prismatic(a=ground, b=trolley, at=(0, 0, 0), axis=(1, 0, 0))
     pin = vv.Revolute(a=trolley, b=load, at=(0, 0, 0), axis=(0, 0, 1))
     servo = vv.Servo(output=[vv.Position(of=load, direction=(1, 0, 0))], follows=[path], actuators=[rail])
@@ -183,6 +183,31 @@ def test_rates_that_inputs_do_not_reach_are_not_projected() -> None:
     assert "their rates: not meant" in result.audit()
 
 
+@pytest.mark.parametrize(
+    "scheme", [vv.BackwardEuler(), vv.BDF2(), vv.GeneralizedAlpha(rho=0.0), vv.GeneralizedAlpha()], ids=str
+)
+def test_drives_follow_kinks_beside_a_crane_that_its_input_does_not_accelerate(scheme: Any) -> None:
+    """They were left to the scheme for all as soon as there was one: twice the work, an effort of 128 for none."""
+    alone, beside = [], []
+    for found in (alone, beside):
+        ground, *parts, down, servo = rope_crane("0*t")[0].components
+        body = vv.RigidBody(mass=2.0, inertia=(1, 1, 1), position=(1, 5, 0))
+        axle = vv.Revolute(a=ground, b=body, at=(0, 5, 0), axis=(0, 0, 1), angle=True)
+        motor = vv.Motor(joint=axle, motion=[[0, 0], [0.1, 0], [0.5, 0.4]])
+        held = vv.Force(on=body, force=(0, 2 * GRAVITY, 0))
+        others = [*parts, down, servo] if found is beside else [down]
+        system = vv.System([ground, body, axle, motor, held, *others])
+        result = vv.simulate(system, until=0.3, step=0.01, scheme=scheme)
+        found += [
+            result.ledger.last("work_drive"),
+            motor.effort(system),
+            *vv.ReactionForce(joint=axle)(system),
+        ]
+    assert beside == pytest.approx(alone, rel=1e-6, abs=1e-8)
+    if scheme.order == 2:
+        assert alone[:2] == pytest.approx([1.5, 0], abs=1e-3)
+
+
 # --- generalised alpha ----------------------------------------------------------------------------------------
 
 
@@ -244,3 +269,43 @@ def test_schemes_with_a_history_begin_a_new_one_behind_a_kink(kind: str, scheme:
     assert [vv.AngularVelocity(of=body)(system)[2], work / 1.5] == pytest.approx([1, 1], abs=far)
     borne = vv.ReactionForce(joint=axle)(system)[:2]
     assert borne == pytest.approx([-2 * np.cos(0.2), -2 * np.sin(0.2)], abs=2 * far)
+
+
+def hand(metre: float, tonne: float) -> tuple[vv.System, vv.RigidBody]:
+    """A hand that both joints of an arm hold in its place, and a wheel that turns by 10 rad/s on its fore arm."""
+    along = np.array([np.cos(1.0), np.sin(1.0), 0])
+    turned = np.column_stack([along, [-along[1], along[0], 0], [0, 0, 1]])
+    x, J = np.array([metre, 0, 0]), 1e3 * tonne * metre**2
+    ground, wheel_at = vv.Ground(), x + 0.8 * metre * along
+    upper = vv.RigidBody(mass=2e3 * tonne, inertia=(0.1 * J, 0.2 * J, 0.2 * J), position=0.5 * x)
+    fore: Any = {"position": x + 0.4 * metre * along, "rotation": turned}
+    lower = vv.RigidBody(mass=1.5e3 * tonne, inertia=(0.1 * J, 0.2 * J, 0.1 * J), **fore)
+    spin: Any = {"position": wheel_at, "angular_velocity": (0, 0, 10)}
+    wheel = vv.RigidBody(mass=2e2 * tonne, inertia=(0.02 * J,) * 3, **spin)
+    shoulder = vv.Revolute(a=ground, b=upper, at=(0, 0, 0), axis=(0, 0, 1), angle=True)
+    elbow = vv.Revolute(a=upper, b=lower, at=x, axis=(0, 0, 1), angle=True)
+    axle = vv.Revolute(a=lower, b=wheel, at=wheel_at, axis=(0, 0, 1))
+    end = lower.point((0.4 * metre, 0, 0))
+    led: Any = [vv.Position(of=end, direction=d) for d in ((1, 0, 0), (0, 1, 0))]
+    follows = [repr(float(value)) for value in wheel_at[:2]]
+    servo = vv.Servo(output=led, follows=follows, actuators=[shoulder, elbow])
+    return vv.System([ground, upper, lower, wheel, shoulder, elbow, axle, servo]), wheel
+
+
+def test_what_is_projected_does_not_hang_on_units() -> None:
+    """In mm rates were left to the scheme, and the wheel stopped; in m they were not."""
+    turns = []
+    for metre, tonne in ((1.0, 1e-3), (1e3, 1e-6)):
+        system, wheel = hand(metre, tonne)
+        vv.simulate(system, until=1.0, step=0.02, scheme=vv.GeneralizedAlpha())
+        assert not leaves_rates(system)
+        turns.append(float(vv.AngularVelocity(of=wheel)(system)[2]))
+    assert turns[0] == pytest.approx(10, rel=1e-3)
+    assert turns[1] == pytest.approx(turns[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("mass", [1.0, 10.0, 1000.0])
+def test_rates_of_a_crane_are_left_by_how_much_its_input_accelerates_its_output(mass: float) -> None:
+    """By half of the trolley: from 10 kg on that was left out; by a hundredth of it is left at any mass."""
+    assert not leaves_rates(crane("0*t", mass)[0])
+    assert leaves_rates(crane("0*t", mass, inertia=0.01)[0])

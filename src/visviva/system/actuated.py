@@ -6,6 +6,7 @@ fit its constraints, goes by those of `Instant`.
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,8 +30,10 @@ UNBALANCED = 1e-6
 UNDETERMINED = 1e-6
 """Part of the largest multiplier from where on it is taken for open: only the compliance of constraints bounds it."""
 WEAK = 30.0
-"""Scaled multipliers that balance scaled forces of one, beyond which rates are not changed by impulses of inputs: they
-would answer to errors of a step by as much more."""
+"""Change of rates by impulses of inputs, as a multiple of the least that changes outputs alike, beyond which rates are
+not projected so: they would answer to errors of a step by as much more."""
+OPEN = 1e6
+"""The same from where on inputs do not accelerate their outputs at all."""
 
 
 class Actuated(Instant):
@@ -40,6 +43,8 @@ class Actuated(Instant):
     """
 
     is_open = False
+    left: NDArray[np.int32] = np.zeros(0, dtype=np.int32)
+    """Unknowns of the parts that `keep_reached` has left out."""
 
     def _columns_in(self, A: sp.csr_array) -> sp.csc_array:
         if not self.system.model.driving.has_servo:
@@ -69,33 +74,57 @@ class Actuated(Instant):
         largest = float(np.abs(self._s[:n] * f).max(initial=0.0))
         return bool(np.abs(self._s * rest).max(initial=0.0) > UNBALANCED * largest)
 
-    def _answers(self) -> Array:
-        """Sizes (m,) of the scaled multipliers by which the factored equations balance these forces."""
-        n, m = len(self.coordinates), len(self.multipliers)
-        answers: Array = np.abs(self.soft(self._pushes(), np.zeros(m)) / self._s)[n:]
-        return answers
-
     def open_multipliers(self) -> NDArray[np.bool_]:
         """Which multipliers (m,) the factored equations leave open: without its compliance they would be infinite."""
-        answers = self._answers()
+        n, m = len(self.coordinates), len(self.multipliers)
+        answers = np.abs(self.soft(self._pushes(), np.zeros(m)) / self._s)[n:]
         return np.asarray(self.is_open & (answers > UNDETERMINED * answers.max(initial=0.0)))
 
-    def keep_reached(self) -> None:
+    def keep_reached(self, most: float = WEAK) -> None:
         """Factor the equations without constraints of parts in which inputs hardly accelerate their outputs."""
         self.factor()
         inputs = np.isin(self.multipliers, [u for u, _ in self.system.model.driving.inputs])
-        if inputs.any() and (weak := inputs & (self._answers() > WEAK)).any():
-            self.keep(~np.isin(of_part := self._parts(), of_part[weak]))
+        if not inputs.any():
+            return
+        n, part, least = len(self.coordinates), self._parts(), self._least()
+        own = {p: np.flatnonzero(inputs & (part[n:] == p)) for p in np.unique(part[n:][inputs])}
+        weak = [p for p, rows in own.items() if self._detour(least, rows) > most]
+        if weak:
+            self.left = np.concatenate([self.coordinates, self.multipliers])[np.isin(part, weak)]
+            self.keep(~np.isin(part[n:], weak))
             self.factor()
 
+    def _least(self) -> Instant:
+        """The least changes of rates, by the scales of unknowns."""
+        import scipy.sparse as sp
+
+        least = copy(self)
+        least.columns, least.metric = self.G.T.tocsc(), sp.diags_array(1 / self.scale**2).tocsr()
+        Instant.factor(least)
+        return least
+
+    def _detour(self, least: Instant, rows: NDArray[np.int64]) -> float:
+        """Change of rates by inputs as a multiple of the least, for those rates of their outputs for which it is most.
+
+        It has no unit, nor do those of outputs and actuators matter.
+        """
+        rates, still = np.zeros((len(self.multipliers), len(rows))), np.zeros(len(self.coordinates))
+        rates[rows, np.arange(len(rows))] = 1.0
+        own, other = (
+            np.column_stack([at.soft(still, g)[: len(still)] / self.scale for g in rates.T])
+            for at in (self, least)
+        )
+        size = np.linalg.norm(other, axis=0)
+        return float(np.linalg.norm(own / size @ np.linalg.pinv(np.linalg.qr(other / size)[1]), 2))
+
     def _parts(self) -> NDArray[np.int32]:
-        """Numbers (m,) of the parts that hang together, by masses, constraints or actuators, of the constraints."""
+        """Numbers (n + m,) of the parts that hang together, by masses, constraints or actuators."""
         import scipy.sparse as sp
         from scipy.sparse.csgraph import connected_components
 
         coupled = sp.block_array([[self.M, self.columns], [self.G, None]], format="csr")
         part: NDArray[np.int32] = connected_components(abs(coupled), directed=False)[1]
-        return part[len(self.coordinates) :]
+        return part
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         return self.least(f, g) if self.is_open else super().solve(f, g)
@@ -113,6 +142,13 @@ class Actuated(Instant):
         scaled = scale[:, None] * K.toarray() * scale
         z = scale * np.linalg.lstsq(scaled, scale * np.concatenate([f, g]), rcond=RANK)[0]
         return z[: len(f)], z[len(f) :]
+
+
+def open_parts(system: System) -> NDArray[np.int32]:
+    """Unknowns of the parts in which inputs of servos do not accelerate their outputs now."""
+    at = Actuated(system)
+    at.keep_reached(OPEN)
+    return at.left
 
 
 def leaves_rates(system: System) -> bool:

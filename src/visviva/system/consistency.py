@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.errors import InputError
-from visviva.system.actuated import Actuated
+from visviva.system.actuated import Actuated, open_parts
 from visviva.system.floating import displaced_mass, impulse_at_start
 from visviva.system.instant import COMPLIANCE, Instant, instant
 from visviva.system.memory import returning
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+NOTHING: NDArray[np.int32] = np.zeros(0, dtype=np.int32)
 ROUND_OFF = 4e-15
 """Relative violation below which a constraint holds."""
 
@@ -279,28 +280,35 @@ def initial_acceleration(system: System, scheme: Scheme, h: float, at: Actuated 
         history[:] = at.prescribed_acceleration()
         history[at.coordinates] = a
     system.x[at.multipliers] = multipliers
+    left = open_parts(system) if at.is_open else NOTHING
     for history, offset in zip(histories, scheme.history_at, strict=True):
-        if offset and len(at.multipliers) and not at.is_open:
-            history[:] = accelerations_later(system, history, offset * h)
+        if offset and len(at.multipliers):
+            history[:] = accelerations_later(system, history, offset * h, left)
     system.invalidate()
     system.stepper.has_acceleration = True
 
 
-def restart_motion(system: System, scheme: Scheme, h: float) -> None:
-    """A new history of motion by the accelerations of this instant; what is of first order goes on with its own."""
+def restart_motion(system: System, scheme: Scheme, h: float, left: NDArray[np.int32]) -> None:
+    """A new history of motion by the accelerations of this instant; what is of first order goes on with its own, and so
+    do these unknowns, which are `left` to the scheme."""
     histories, others = (system.core.a, system.core.w), system.order != 2
-    kept = [history[others] for history in histories]
+    others[left] = True
+    kept, x = [history[others] for history in histories], system.x[left]
     initial_acceleration(system, scheme, h)
+    system.x[left] = x
     for history, values in zip(histories, kept, strict=True):
         history[others] = values
 
 
-def accelerations_later(system: System, now: Array, time: float) -> Array:
+def accelerations_later(system: System, now: Array, time: float, left: NDArray[np.int32] = NOTHING) -> Array:
     """Accelerations (n,) of the motion a `time` from now; those of now where they change too much for that.
 
-    Where they do (stiff solids in long steps) they are not resolved by the steps anyway.
+    Where they do (stiff solids in long steps) they are not resolved by the steps anyway. Unknowns that are `left` keep
+    those of now.
     """
     later, moves, flows = now.copy(), system.order == 2, system.order == 1
+    known = moves.copy()
+    known[left] = False
     with returning(system):
         system.x[flows] += time * now[flows]
         system.x[moves] += time * system.v[moves] + 0.5 * time**2 * now[moves]
@@ -314,7 +322,7 @@ def accelerations_later(system: System, now: Array, time: float) -> Array:
         at = Actuated(system)
         at.add_rate_constraints()
         at.factor()
-        of_motion = moves[at.coordinates]
+        of_motion = known[at.coordinates]
         later[at.coordinates[of_motion]] = accelerations(system, at)[0][of_motion]
     change, size = (float(np.linalg.norm(u * system.inverse_scale)) for u in (later - now, now))
     return later if change < 0.5 * size else now

@@ -77,40 +77,46 @@ class Turn:
 def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent: set[int]) -> bool:
     """Give what is driven the rates behind a kink of its motion, by impulses whose work is booked.
 
-    Schemes with a history begin a new one there: theirs is that of another motion. Whether all this could be done, as
-    it cannot where inputs do not accelerate their outputs.
+    Schemes with a history begin a new one there: theirs is that of another motion. Parts in which inputs do not
+    accelerate their outputs are left to the scheme. Whether all this could be done.
 
     Parameters
     ----------
     bent : set of int
         Accounts of what has the kink.
     """
-    from visviva.system.actuated import Actuated
+    from visviva.system.actuated import OPEN, Actuated
     from visviva.system.consistency import project_velocities, restart_motion
 
     stepper, energy, rates = system.stepper, float(system.core.energy.sum()), system.v.copy()
     last, has_rates = stepper.last, stepper.has_rates
     at = Actuated(system)
-    at.factor()
-    if at.is_open:
+    at.keep_reached(OPEN)
+    if at.is_open or not bent & _reached(at):
         return False
     system.follow_prescribed()
     project_velocities(system, at)
     turned, strayed = turn(at, system.v - rates), None if scheme.solves_means else astray(at, step, before)
     work, twice = works_at_kinks(at, turned, strayed, scheme, step.h)
     if scheme.needs_acceleration:
-        restart_motion(system, scheme, step.h)
+        restart_motion(system, scheme, step.h, at.left)
     evaluate_ledger_again(system)
     system.core.work[:] += work - twice
     if strayed is None:
         lacking = float(system.core.energy.sum()) - energy - float(work.sum())
     else:
-        lacking = _lacking(system, before)
+        lacking = _lacking(system, before) if not len(at.left) else 0.0
     shares = np.abs(work) if work.any() else np.isin(np.arange(len(work)), list(bent)).astype(float)
     system.core.work[:] += lacking * shares / shares.sum()
     stepper.led_by(last)
     stepper.has_rates = has_rates
     return True
+
+
+def _reached(at: Actuated) -> set[int]:
+    """Accounts of what is driven by impulses."""
+    driving, multipliers = at.system.model.driving, set(at.multipliers.tolist())
+    return {a for u, a in driving.working if u in multipliers} | {p.account for p in driving.prescribed}
 
 
 def turn(at: Actuated, change: Array) -> Turn:
