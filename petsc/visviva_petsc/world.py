@@ -268,8 +268,7 @@ class Owners:
         owner = owners(self.world.within(f"number {n} unknowns"), unknowns, n)
         self.mine = np.flatnonzero(owner == rank)
         self.counts = np.bincount(owner, minlength=size + 1)[:-1]
-        self.order = np.argsort(owner, kind="stable")[: self.counts.sum()]
-        self.found = np.empty(len(self.order))
+        self.order = np.argsort(owner, kind="stable")[: self.counts.sum()].astype(np.int32)
         return (owner == rank).astype(np.int32)
 
     def sum(self, values: Array) -> None:
@@ -282,10 +281,9 @@ class Owners:
 
     def share(self, values: Array) -> None:
         """Give all processes the values (n,) that the owners have."""
-        self.world.within(f"share {len(values)} numbers").Allgatherv(
-            values[self.mine], (self.found, self.counts)
-        )
-        values[self.order] = self.found
+        found = np.empty(len(self.order))
+        self.world.within(f"share {len(values)} numbers").Allgatherv(values[self.mine], (found, self.counts))
+        values[self.order] = found
 
     def tell(self, words: str, number: int) -> tuple[str, int]:
         """Words and a number of the first process that has raised an exception; else of the first that has words.

@@ -33,9 +33,12 @@ class Net(MeshBody):
 
     def __post_init__(self) -> None:
         self.grid = self.mesh.build()
-        self.volumes = [self.grid.volumes[:, None]]
         ((_, self.cells),) = self.grid.cells.items()
         self.pairs = np.unique([pair for row in np.sort(self.cells) for pair in combinations(row, 2)], axis=0)
+
+    @property
+    def volumes(self) -> list[Array]:
+        return [self.grid.volumes[:, None]]
 
     def lengths(self, x: Array) -> Array:
         return np.asarray(np.linalg.norm(x[self.pairs[:, 1]] - x[self.pairs[:, 0]], axis=1))

@@ -312,7 +312,8 @@ def begin(
     with undisturbed(system):
         system.evaluate_ledger()
     books.book(system.time, system.core)
-    books.swings.look(system)
+    if scheme.rings:
+        books.swings.look(system)
     keep(result)
     return result, books
 

@@ -125,8 +125,12 @@ class Beam(DirectorBody):
             raise InputError(f"{self.label}: {error}") from None
         self.refuse_section_count()
         self._strains = BeamStrains(self.line)
-        self.volumes = [self._strains.length]
         self._held_strains = sorted({k for name in self.rigid for k in RIGID[name]})
+
+    @property
+    def volumes(self) -> list[Array]:
+        """Lengths (m, q) of the line."""
+        return [self._strains.length]
 
     _parted: ClassVar[tuple[str, ...]] = ("hinged",)
     """Kinks at which cells have nodes of their own."""

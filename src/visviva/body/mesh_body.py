@@ -45,8 +45,6 @@ class MeshBody(Attachable, Meshed):
     ----------
     motion : Field
         Unknowns, once it is part of a system; `node_unknowns` tells those of the nodes' positions.
-    volumes : list of array, (m, q)
-        Of the quadrature points in the reference configuration, one for each type of cells.
     density : float
         Mass per reference volume.
     thickness : float
@@ -58,7 +56,6 @@ class MeshBody(Attachable, Meshed):
     """
 
     motion: Field
-    volumes: list[Array]
     density: Number
     thickness: Number
     velocity: VectorOrFunction
@@ -163,6 +160,11 @@ class MeshBody(Attachable, Meshed):
     def face_points(self, faces: Faces, *, on_sides: bool = False) -> Iterator[FacePoints]:
         """Quadrature points of faces for forces on them, type by type; of shells on their middle, or `on_sides`."""
         return face_points(self.grid, faces, thickness=self.thickness, axisymmetric=self.axisymmetric)
+
+    @property
+    def volumes(self) -> list[Array]:
+        """Volumes (m, q) of the quadrature points in the reference configuration, one for each type of cells."""
+        raise NotImplementedError
 
     def _geometry(self, cell: str, nodes: Ints, rule: Rule | None = None) -> Geometry:
         """Gradients and volumes of cells (m, k) of a type, by default at the points of internal forces."""

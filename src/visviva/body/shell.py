@@ -111,7 +111,11 @@ class Shell(DirectorBody):
         refuse_thick(self.parts, self.by_type(self.by_cell(lambda s: s.heights)))
         if self.slits == "refused":
             refuse_slits(self.label, self.grid.points, {part.kind: part.cells for part in self.parts})
-        self.volumes = [part.areas for part in self.parts]
+
+    @property
+    def volumes(self) -> list[Array]:
+        """Areas (m, q) of the middle surface."""
+        return [part.areas for part in self.parts]
 
     # --- sections ------------------------------------------------------------------------------------------
     @cached_property

@@ -242,7 +242,6 @@ class Solid(MeshBody):
         # the core does not keep it alive
         self._callback = callback_of(self._energy) if self._energy else None
         self._elements: list[Elements] = []
-        self.volumes: list[Array] = []
         self._open_accounts(model)
         own = shared_out(self.grid) if self._is_shared_out else np.ones(self.grid.n_cells, dtype=bool)
         first = 0
@@ -253,9 +252,7 @@ class Solid(MeshBody):
             model.batch(elements.term)  # of none too: all processes number their terms alike
             if self._is_shared_out:
                 model.announce(self, SharedOut(elements.term))
-            made = [elements] if len(some) else []
-            self._elements += made
-            self.volumes.append(self._whole([e.volume for e in made], [e.numbers for e in made]))
+            self._elements += [elements] if len(some) else []
             first += len(nodes)
 
     def _elements_of(self, model: Model, cell: str, nodes: Ints, first: int, some: Ints) -> Elements:
@@ -393,6 +390,17 @@ class Solid(MeshBody):
 
     def _smoothed(self, names: tuple[str, ...], x: Array) -> dict[str, Array]:
         return smoothed(self.grid, names, self._evaluated(x), add_up=self._is_shared_out)
+
+    @property
+    def volumes(self) -> list[Array]:
+        made = self._elements
+        if not self._is_shared_out:
+            return [part.volume for part in made]
+        found: dict[str, tuple[list[Array], list[Ints]]] = {cell: ([], []) for cell in self.grid.cells}
+        for part in made:
+            found[part.cell][0].append(part.volume)
+            found[part.cell][1].append(part.numbers)
+        return [self._whole(*parts) for parts in found.values()]
 
     def fields(self, x: Array, cell: str | None = None) -> Fields:
         """Strains and stresses (m, q, ...) at the q quadrature points of the m elements at the unknowns `x`.

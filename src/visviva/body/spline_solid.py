@@ -86,7 +86,6 @@ class SplineSolid(OnSplines):
             self._elements.append(self._made(model, table, first))
             model.batch(self._elements[-1].term)
             first += len(table.numbers)
-        self.volumes = [elements.volume for elements in self._elements]
 
     def _made(self, model: Model, table: Table, first: int) -> Elements:
         n, (cell,) = len(table.numbers), self.grid.cells

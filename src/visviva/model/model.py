@@ -85,7 +85,7 @@ class Model:
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
-    _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
+    _initial: Array | None = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
 
     def index(self, component: Owner) -> int:
         """Number of a component."""
@@ -137,11 +137,11 @@ class Model:
     ) -> Field:
         """New unknowns; see `Field`."""
         x = np.array(values, dtype=float).ravel()
-        v = np.zeros_like(x) if rates is None else np.array(rates, dtype=float).ravel()
+        v = np.zeros(x.shape) if rates is None else np.array(rates, dtype=float).ravel()
         if scale is None:
             scale = 0.0 if role.order == 0 else 1.0
-        scales, held = np.empty_like(x), np.empty(x.shape, dtype=bool)
-        scales[:], held[:] = scale, fixed
+        scales = np.broadcast_to(np.asarray(scale, dtype=float), x.shape)
+        held = np.array(np.broadcast_to(np.asarray(fixed, dtype=bool), x.shape))
         start = self.n_unknowns
         block = (component, name) if block is None and stage == 0 else (block or component)
         local = np.asarray(element, dtype=np.int32).ravel()
@@ -175,6 +175,8 @@ class Model:
 
     def _remember(self, new: Field) -> None:
         end = new.start + new.size
+        if self._initial is None:
+            return
         if end > self._initial.shape[1]:
             self._initial = np.hstack([self._initial, np.zeros((2, end))])
         self._initial[:, new.start : end] = new.values, new.rates
@@ -243,8 +245,16 @@ class Model:
     @property
     def initial(self) -> tuple[Array, Array]:
         """Initial values and rates of all unknowns made so far."""
+        if self._initial is None:
+            return np.concatenate([f.values for f in self.fields]), np.concatenate(
+                [f.rates for f in self.fields]
+            )
         x, v = self._initial[:, : self.n_unknowns]
         return x, v
+
+    def complete(self) -> None:
+        """Let go of what is there to look initial values up fast while components contribute."""
+        self._initial = None
 
     def multipliers(
         self,

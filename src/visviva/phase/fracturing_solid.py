@@ -329,7 +329,6 @@ class FracturingSolid(Solid, Upright):
         for cell, nodes in self.grid.cells.items():
             self._elements.append(self._made(model, cell, nodes, first))
             first += len(nodes)
-        self.volumes = [elements.volume for elements in self._elements]
 
     def _evaluation(self, cell: str, nodes: Ints, rule: Any) -> StressedCells:
         g = self._geometry(cell, nodes, rule)

@@ -224,7 +224,6 @@ class MixtureSolid(Solid, Upright):
         for table, parts in zip(self.space.cells(), self._parts(), strict=True):
             self._elements.append(self._mixed(model, table, *parts, first))
             first += len(table.numbers)
-        self.volumes = [elements.volume for elements in self._elements]
 
     def _given_mesh(self) -> Any:
         """Of the mixture."""

@@ -118,25 +118,31 @@ class Missed:
         """Take in the initial state, or the step that led to the present one."""
         core = self.system.core
         self.brought.add(core)
-        missed = None if self._start is None else self._of_step(*self._start)
+        now = self.system.time, self.system.x.copy()
+        missed = None if self._start is None else self._of_step(*self._start, *now)
         for share, excused in zip(self.shares, (self.brought.done, 0.0), strict=False):
             share.add(core, missed, excused)
-        self._start = self.system.time, self.system.x.copy()
+        self._start = now
 
-    def _of_step(self, time0: float, x0: Array) -> Array:
+    def _of_step(self, time0: float, x0: Array, time1: float, x1: Array) -> Array:
         """What the rule misses in the step to the present state, by accounts and what holds."""
-        system, time1, x1 = self.system, self.system.time, self.system.x.copy()
+        system = self.system
         n = len(system.model.accounts)
         if not self._moves.any():
             return np.zeros(n + int(self._holds.sum()))
-        way = np.where(self._moves, x1 - x0, 0.0)
+        way = x1 - x0
+        way[~self._moves] = 0.0
         try:
             with undisturbed(system):
                 there, here = self._energies(time0, x0), self._energies(time1, x1)
                 missed = here - there
                 for near, of in self._steps:
-                    after = self._energies(time0, x0 + near * way)
-                    before = self._energies(time1, x1 - near * way)
+                    at = near * way
+                    at += x0
+                    after = self._energies(time0, at)
+                    at = near * way
+                    np.subtract(x1, at, out=at)
+                    before = self._energies(time1, at)
                     missed[of] -= (0.5 / near * (after - there + here - before))[of]
                 if system.model.driving.drives:
                     missed[n:] += self._drives(time0, x0, time1, x1)
@@ -147,7 +153,7 @@ class Missed:
     def _energies(self, time: float, x: Array) -> Array:
         """Energies of a state by account, and multipliers times violations."""
         core, step = self.system.core, load_step(time, 0.0)
-        core.dx[:] = x - core.x
+        np.subtract(x, core.x, out=core.dx)
         energies = core.trial_energies(step, self.system.signals(step))
         return np.append(energies, x[self._holds] * self._violations(time, x))
 

@@ -75,7 +75,7 @@ class Kept:
         self.n_bytes += x.nbytes + v.nbytes + sum(r.nbytes for r in records)
         self.times.append(time)
         for values, kept in ((x, self.states), (v, self.rates)):
-            kept.append(values.copy())
+            kept.append(values.copy() if values.any() else np.zeros(values.shape))
             kept[-1].setflags(write=False)
         self.records.append(records)
 

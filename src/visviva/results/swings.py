@@ -78,6 +78,8 @@ class Swings:
 
     def resume(self, largest: Array | None, system: System) -> None:
         """Go on from here with the largest changes of a run that was saved, if it had them."""
+        if self._own is None:  # under rules that do not ring nothing is looked at
+            return
         self._states = []
         self.look(system)
         if largest is not None and np.shape(largest) == self.largest.shape:

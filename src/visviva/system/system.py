@@ -126,8 +126,10 @@ class System(metaclass=Named):
         self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
         self.core = build_core(self)
         self.choose_linear()
-        self.core.x[:] = np.concatenate([f.values for f in fields])
-        self.core.v[:] = np.concatenate([f.rates for f in fields])
+        self.core.x[:], rates = self.model.initial
+        if rates.any():  # memory that is not written takes no room
+            self.core.v[:] = rates
+        self.model.complete()
         check_finite(self)
         even_out(self)
 

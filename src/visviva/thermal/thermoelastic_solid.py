@@ -277,7 +277,6 @@ class ThermoelasticSolid(Solid, Upright, HeatCarrier):
         for cell, nodes in self.grid.cells.items():
             self._elements.append(self._made(model, cell, nodes, first))
             first += len(nodes)
-        self.volumes = [elements.volume for elements in self._elements]
         unknowns, account = np.asarray(self.entropy.unknowns), model.account(self, "conduction", PRODUCED)
         sizes = self._integrals(np.abs)
         model.entropies.store(unknowns, self._content, unknowns, account, self._conducts, sizes)
