@@ -30,7 +30,7 @@ print(system.core.n_equations, now() - before, 12 * len(system.core.csr[1]))
 
 
 def test_bytes_of_bricks_beside_their_matrix() -> None:
-    """Gradients at points and masses alone would be 1.8 kB for each of them, 620 for an equation."""
+    """Gradients at points and masses alone would be 620 for each equation, rigid motions kept for multigrid 96."""
     done = subprocess.run(
         [sys.executable, "-c", GROWN],
         env={**os.environ, "OMP_NUM_THREADS": "1"},
@@ -40,7 +40,7 @@ def test_bytes_of_bricks_beside_their_matrix() -> None:
     )
     n, grown, matrix = map(int, done.stdout.split())
     assert n >= 300_000
-    assert (grown - matrix) / n < 900
+    assert (grown - matrix) / n < 650
 
 
 def block(linear: vv.Iterative | vv.Direct) -> vv.System:

@@ -11,6 +11,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,14 @@ using Array = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Ints = nb::ndarray<const int, nb::c_contig, nb::device::cpu>;
 using View = nb::ndarray<nb::numpy, double>;
+
+// Objects of Python that are copied and destroyed where the interpreter's lock may not be held.
+inline std::shared_ptr<nb::object> kept(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* o) {
+                nb::gil_scoped_acquire gil;
+                delete o;
+            }};
+}
 
 template <class T>
 std::vector<T> vector_of(const nb::ndarray<const T, nb::c_contig, nb::device::cpu>& a) {
@@ -42,6 +51,17 @@ inline View view(double* data, std::size_t n, nb::handle owner) { return View(da
 /// Valid during the call of Python that it is passed to.
 inline View own(const double* data, std::size_t rows, std::size_t cols) {
     return view(const_cast<double*>(data), rows, cols, nb::none());
+}
+
+// --- what Python looks at while it is called -----
+template <class T>
+nb::object seen(const T* data, std::initializer_list<std::size_t> shape) {
+    return nb::cast(nb::ndarray<nb::numpy, const T>(data, shape.size(), shape.begin(), nb::none()),
+                    nb::rv_policy::reference);
+}
+template <class T>
+nb::object seen(const std::vector<T>& values) {
+    return seen(values.data(), {values.size()});
 }
 
 // --- what Python comes to own -----

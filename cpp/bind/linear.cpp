@@ -15,11 +15,6 @@ using Longs = nb::ndarray<const std::int64_t, nb::c_contig, nb::device::cpu>;
 
 namespace {
 
-template <class T>
-nb::ndarray<nb::numpy, const T> constant(const T* data, std::initializer_list<std::size_t> shape) {
-    return {data, shape.size(), shape.begin(), nb::none()};
-}
-
 Aggregates aggregates_of(nb::handle parts) {
     const auto of = nb::cast<Ints>(parts[1]);
     const auto block = nb::cast<Doubles>(parts[2]);
@@ -35,21 +30,16 @@ Aggregates aggregates_of(nb::handle parts) {
 // rows) per level but the coarsest.
 Aggregator aggregator_of(nb::object function) {
     if (function.is_none()) return {};
-    // Copies of a choice are made and destroyed where the interpreter's lock may not be held.
-    auto release = [](nb::object* f) {
-        nb::gil_scoped_acquire gil;
-        delete f;
-    };
-    const std::shared_ptr<nb::object> shared(new nb::object(std::move(function)), release);
-    return [shared](const BlockRows<double>& a, const double* modes, int n_modes) {
-        nb::gil_scoped_acquire gil;
-        const nb::object levels =
-            (*shared)(constant(a.row.data(), {a.row.size()}), constant(a.col.data(), {a.col.size()}), a.rows,
-                      constant(modes, {a.size(), static_cast<std::size_t>(n_modes)}));
-        std::vector<Aggregates> all;
-        for (nb::handle level : levels) all.push_back(aggregates_of(level));
-        return all;
-    };
+    return
+        [shared = kept(std::move(function))](const BlockRows<double>& a, const double* modes, int n_modes) {
+            nb::gil_scoped_acquire gil;
+            const nb::object levels =
+                (*shared)(seen(a.row.data(), {a.row.size()}), seen(a.col.data(), {a.col.size()}), a.rows,
+                          seen(modes, {a.size(), static_cast<std::size_t>(n_modes)}));
+            std::vector<Aggregates> all;
+            for (nb::handle level : levels) all.push_back(aggregates_of(level));
+            return all;
+        };
 }
 
 // A linear solver on a matrix given in compressed rows.
@@ -63,8 +53,14 @@ struct Linear {
         csr.n = static_cast<int>(row.size()) - 1;
         for (int i = 0; i < csr.n; ++i) csr.equation.push_back(i), csr.unknown.push_back(i);
         blocks.node.assign(node.data(), node.data() + node.size());
-        blocks.modes.assign(modes.data(), modes.data() + modes.size());
         blocks.n_modes = csr.n ? static_cast<int>(modes.size()) / csr.n : 0;
+        blocks.modes = [given = vector_of<double>(modes), n = blocks.n_modes](const std::vector<int>& rows,
+                                                                              double* to) {
+            for (int row : rows) {
+                if (row >= 0) std::copy_n(given.data() + static_cast<std::size_t>(row) * n, n, to);
+                to += n;
+            }
+        };
         blocks.multiplier = flags_of(multiplier);
         blocks.place = place, blocks.scale = scale;
         blocks.algebraic.assign(algebraic.begin(), algebraic.end());

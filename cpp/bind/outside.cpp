@@ -1,29 +1,13 @@
 // Solvers and processes written in Python; the interpreter's lock is taken for every call.
 #include "outside.hpp"
 
+#include <numeric>
+
 #include "arrays.hpp"
 
 using namespace visviva;
 
 namespace {
-
-// Objects are copied and destroyed where the lock may not be held.
-std::shared_ptr<nb::object> kept(nb::object object) {
-    return {new nb::object(std::move(object)), [](nb::object* o) {
-                nb::gil_scoped_acquire gil;
-                delete o;
-            }};
-}
-
-template <class T>
-nb::object seen(const T* data, std::initializer_list<std::size_t> shape) {
-    return nb::cast(nb::ndarray<nb::numpy, const T>(data, shape.size(), shape.begin(), nb::none()),
-                    nb::rv_policy::reference);
-}
-template <class T>
-nb::object seen(const std::vector<T>& values) {
-    return seen(values.data(), {values.size()});
-}
 
 class Outside : public LinearSolver {
   public:
@@ -37,12 +21,16 @@ class Outside : public LinearSolver {
         nb::gil_scoped_acquire gil;
         n_ = pattern.equation.size(), n_entries_ = pattern.col.size();
         const auto rows = static_cast<std::size_t>(pattern.n),
-                   modes = static_cast<std::size_t>(blocks.n_modes);
+                   n_modes = static_cast<std::size_t>(blocks.n_modes);
+        std::vector<int> equation(rows);
+        std::iota(equation.begin(), equation.end(), 0);
+        std::vector<double> modes(rows * n_modes, 0.0);
+        blocks.modes(equation, modes.data());
         const std::vector<int> multiplier(blocks.multiplier.begin(), blocks.multiplier.end()),
             algebraic(blocks.algebraic.begin(), blocks.algebraic.end());
         nb::dict of;
         of["node"] = seen(blocks.node), of["place"] = seen(blocks.place);
-        of["modes"] = seen(blocks.modes.data(), {rows, modes});
+        of["modes"] = seen(modes.data(), {rows, n_modes});
         of["multiplier"] = seen(multiplier), of["algebraic"] = seen(algebraic);
         of["scale"] = seen(blocks.scale);
         solver_->attr("analyze")(seen(pattern.row), seen(pattern.col), seen(pattern.unknown), of);

@@ -171,10 +171,18 @@ static void bind_solvers(nb::class_<System>& system) {
                  s.set_rate_solver(make_linear(choices), flags_of(constraint));
              })
         .def_prop_ro("projects_rates", &System::projects_rates)
-        .def("set_modes",
-             [](System& s, const Doubles& modes) {
-                 s.set_modes(vector_of<double>(modes), static_cast<int>(modes.shape(1)));
-             })
+        .def(
+            "set_modes",
+            [](System& s, nb::callable make, int n_modes) {
+                s.set_modes(
+                    [make = kept(std::move(make)), n_modes](const std::vector<int>& unknown, double* to) {
+                        nb::gil_scoped_acquire gil;
+                        const auto k = static_cast<std::size_t>(n_modes);
+                        (*make)(seen(unknown), view(to, unknown.size(), k, nb::none()));
+                    },
+                    n_modes);
+            },
+            "What puts the modes (n, n_modes) of unknowns (n,) where zeros are")
         .def("allow_last_resort", &System::allow_last_resort)
         .def_prop_ro("solver",
                      [](const System& s) { return s.solver() ? s.solver()->report().name : std::string(); })

@@ -8,6 +8,7 @@
 #include "dense.hpp"
 #include "visviva/base/jet.hpp"
 #include "visviva/base/parallel.hpp"
+#include "visviva/base/unknowns.hpp"
 #include "visviva/base/vectors.hpp"
 
 #ifdef _OPENMP
@@ -184,3 +185,23 @@ TEST_CASE("threads: one number for loops of all threads of a program, and for no
     use_threads(before);
 }
 #endif
+
+TEST_CASE("vectors of unknowns: zeros until they are written, and copies that bring back what was there") {
+    Unknowns u(1 << 16), never;
+    CHECK(is_zero(u));
+    const KeptUnknowns none(u), nothing(never);
+    u[3] = -2.5, u.back() = 1e-300;
+    const KeptUnknowns some(u);
+    const Unknowns written = u;
+    none.bring_back(u);
+    CHECK(u == Unknowns(1 << 16));
+    some.bring_back(u);
+    CHECK(u == written);
+    some.bring_back(never);
+    CHECK(never == written);
+    nothing.bring_back(u);
+    CHECK(u.empty());
+    Unknowns again;
+    none.bring_back(again);
+    CHECK((again.size() == 1 << 16 && is_zero(again)));
+}

@@ -196,7 +196,7 @@ class Stop : public Term, public NeighbourSearch {
 };
 
 struct Found {
-    std::vector<std::vector<double>> x;
+    std::vector<Unknowns> x;
     std::vector<int> iterations, factorizations;
     std::string refused;
     int n_patterns = 0;

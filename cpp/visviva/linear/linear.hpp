@@ -1,9 +1,11 @@
 // Linear solvers of the Newton iteration: a pattern once, then factor and solve many times.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "visviva/linear/csr.hpp"
@@ -18,6 +20,17 @@ struct RigidUnknowns {
     int multiplier[6];
 };
 
+// Puts modes of some rows, [row][n_modes], where zeros are; those of a row below zero stay so.
+using Modes = std::function<void(const std::vector<int>& rows, double* to)>;
+
+// Those of a part of the rows, by their numbers in it.
+inline Modes rows_of(Modes all, std::vector<int> part) {
+    return [all = std::move(all), part = std::move(part)](std::vector<int> rows, double* to) {
+        for (int& row : rows) row = row < 0 ? row : part[row];
+        all(rows, to);
+    };
+}
+
 // Natural blocks of the unknowns for block elimination: `block[unknown]` (or -1) and the stage of each block
 // (0: has inertia, 1: multipliers and massless coordinates, 2: multipliers between stage-1 blocks).
 struct Blocks {
@@ -29,7 +42,8 @@ struct Blocks {
     // the place of every equation, where nodes of several fields stand at one (empty: every node alone),
     std::vector<int> place;
     // and what the tangent hardly resists, for multigrid: [equation][n_modes], rigid-body modes of solids.
-    std::vector<double> modes;
+    // They are made anew when they are asked for, being half as large as a tangent.
+    Modes modes = [](const std::vector<int>&, double*) {};
     int n_modes = 0;
     std::vector<char> algebraic;  // per equation: constraints and pressures, without inertia
     std::vector<double> scale;    // per equation: a large change of its unknown, 0 for forces (empty: 1)

@@ -46,11 +46,10 @@ void NodeMatrix::analyze(const Csr& pattern, const Blocks& blocks) {
 }
 
 std::vector<double> NodeMatrix::modes() const {
-    const int n = n_modes();
-    std::vector<double> by_slot(size() * n, 0.0);
-    for (int i = 0; i < csr_->n; ++i)
-        std::copy_n(blocks_of_->modes.data() + static_cast<std::size_t>(i) * n, n,
-                    by_slot.data() + static_cast<std::size_t>(slot_[i]) * n);
+    std::vector<int> equation(size(), -1);
+    for (int i = 0; i < csr_->n; ++i) equation[slot_[i]] = i;
+    std::vector<double> by_slot(size() * n_modes(), 0.0);
+    blocks_of_->modes(equation, by_slot.data());
     return by_slot;
 }
 

@@ -184,9 +184,8 @@ class Staggered : public LinearSolver, public SolverSequence {
             if (!from.algebraic.empty()) b.algebraic.push_back(from.algebraic[e]);
             if (!from.scale.empty()) b.scale.push_back(from.scale[e]);
             if (!from.multiplier.empty()) b.multiplier.push_back(from.multiplier[whole_->unknown[e]]);
-            const auto mode = from.modes.begin() + static_cast<std::ptrdiff_t>(e) * b.n_modes;
-            b.modes.insert(b.modes.end(), mode, mode + b.n_modes);
         }
+        b.modes = rows_of(from.modes, f.equation);
         if (!from.node.empty()) b.node.push_back(static_cast<int>(f.equation.size()));
     }
 

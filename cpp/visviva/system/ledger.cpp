@@ -81,7 +81,7 @@ void System::take_off_excess(const Context& c) {
     Step plain = c.step;
     plain.transport[0][2] = std::numeric_limits<double>::min();
     evaluate_residual({plain, c.vectors, c.signals}, true);
-    const std::vector<double> without = r_;
+    const Unknowns without = r_;
     evaluate_residual(c, true);
     std::vector<char> tested(n_, 0);
     for (int u : entropy_.tested) tested[u] = 1;

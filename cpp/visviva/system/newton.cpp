@@ -69,7 +69,7 @@ bool System::extend_prescribed_motion(const Context& c) {
         evaluate_residual(c, !rigid_);
     };
     residual_at(little);
-    const std::vector<double> moved = r_;
+    const Unknowns moved = r_;
     residual_at(0);
     bool solvable = refactor(c, c.step);
     stale_factor_ = true;

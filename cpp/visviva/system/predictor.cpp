@@ -51,16 +51,16 @@ void scatter(const std::vector<int>& unknowns, const double* from, double* x) {
 
 void Extrapolation::resize(std::vector<double> weight, bool spreads) {
     weight_ = std::move(weight), spreads_ = spreads;
-    for (auto& d : difference_) d.assign(weight_.size(), 0.0);
+    for (auto& d : difference_) d = {};
     forget();
 }
 
 void Extrapolation::push(const double* x) {
+    const int n = static_cast<int>(weight_.size()), n_d = std::min(known_ + 1, most);
     double* d[most];
-    for (int k = 0; k < most; ++k) d[k] = difference_[k].data();
+    for (int k = 0; k < n_d; ++k) difference_[k].resize(n), d[k] = difference_[k].data();
     double error[most], alternating[most];
-    const int n = static_cast<int>(weight_.size());
-    vector_kernels().differences(n, std::min(known_ + 1, most), x, weight_.data(), d, error, alternating);
+    vector_kernels().differences(n, n_d, x, weight_.data(), d, error, alternating);
     // Difference k + 1 is what the sum of those before it missed x by; where difference k changed its sign,
     // that sum less difference k would have met x.
     // Of few steps there is little to choose from.
@@ -90,16 +90,17 @@ double Extrapolation::largest() const {
 
 void Extrapolation::write(std::vector<double>& memory) const {
     for (int value : {known_, order_, static_cast<int>(alternates_)}) memory.push_back(value);
-    for (const auto& d : difference_) memory.insert(memory.end(), d.begin(), d.end());
+    for (const auto& d : difference_) {
+        memory.insert(memory.end(), d.begin(), d.end());
+        memory.insert(memory.end(), weight_.size() - d.size(), 0.0);
+    }
 }
 
 const double* Extrapolation::read(const double* memory) {
     known_ = static_cast<int>(memory[0]), order_ = static_cast<int>(memory[1]), alternates_ = memory[2] != 0;
     memory += 3;
-    for (auto& d : difference_) {
-        std::copy(memory, memory + d.size(), d.begin());
-        memory += d.size();
-    }
+    for (int k = 0; k < most; ++k, memory += weight_.size())
+        if (k < known_) difference_[k].assign(memory, memory + weight_.size());
     return memory;
 }
 

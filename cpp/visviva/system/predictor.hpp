@@ -26,7 +26,7 @@ class Extrapolation {
 
   private:
     static constexpr int most = 7;
-    std::vector<double> weight_, difference_[most];
+    std::vector<double> weight_, difference_[most];  // made when they are first known
     int known_ = 0, order_ = 0;  // how many differences are known, and how many are added up
     bool alternates_ = false;    // the one after these is subtracted
     bool spreads_ = false;

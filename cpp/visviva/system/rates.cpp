@@ -94,7 +94,7 @@ void System::keep_weightless() {
 }
 
 // Adds a factor times the constraints, later by some time, as those see it that look at the clock themselves.
-void System::add_later(const Context& c, double later, double factor, std::vector<double>& d) {
+void System::add_later(const Context& c, double later, double factor, Unknowns& d) {
     Step moved = c.step;
     moved.t0 += later, moved.t1 += later, moved.te += later;
     std::fill(r_.begin(), r_.end(), 0.0);
@@ -107,7 +107,7 @@ void System::add_later(const Context& c, double later, double factor, std::vecto
 // The partial time derivative of the constraints at the end, by prescribed unknowns and functions of time,
 // for which central differences are exact, as constraints are quadratic in them, and by the clock. Over a
 // step of length h, so that their change is not lost in rounding.
-void System::drift(const Context& c, double h, std::vector<double>& d) {
+void System::drift(const Context& c, double h, Unknowns& d) {
     constexpr double part = 0.1;  // of the step, for differences by the clock
     d.assign(n_ + 1, 0.0);
     if (any(std::any_of(terms_.begin(), terms_.end(), [](const Part& p) { return p.term->sees_clock; }))) {
@@ -124,7 +124,7 @@ void System::drift(const Context& c, double h, std::vector<double>& d) {
     if (!moves && !turns) return;
     std::vector<double> at1(n_signals_);
     const Signals moved{c.signals.at0, c.signals.ate, at1.data(), c.signals.rate1};
-    const std::vector<double> x1 = x1_;
+    const Unknowns x1 = x1_;
     const AtExit back([&] { x1_ = x1; });
     for (const double way : {h, -h}) {
         for (int u : prescribed_) x1_[u] = x1[u] + way * v_next_[u];
@@ -135,9 +135,9 @@ void System::drift(const Context& c, double h, std::vector<double>& d) {
 }
 
 // (h/2) G_0^T lambda: half of what the multipliers add to the balance, times the step.
-std::vector<double> System::constraint_impulse(const Context& c, const std::vector<double>& without) {
+Unknowns System::constraint_impulse(const Context& c, const Unknowns& without) {
     evaluate_lasting(c);
-    std::vector<double> impulse(n_);
+    Unknowns impulse(n_);
     for (int u = 0; u < n_; ++u) impulse[u] = 0.5 * c.step.h * r_[u];
     x1_ = without;
     evaluate_lasting(c);
@@ -147,7 +147,7 @@ std::vector<double> System::constraint_impulse(const Context& c, const std::vect
 
 // The right-hand side, as a residual, of the equations whose matrix is in `values_`; the share of this
 // process.
-void System::evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change) {
+void System::evaluate_rate_residual(const Unknowns& impulse, const Unknowns& change) {
     std::fill(r_.begin(), r_.end(), 0.0);
     for (int i = 0; i < csr_.n; ++i) {
         const int u = csr_.unknown[i];
@@ -160,10 +160,10 @@ void System::evaluate_rate_residual(const std::vector<double>& impulse, const st
 }
 
 // G v at some place, by central differences over a step of length h, exact as constraints are quadratic.
-std::vector<double> System::constraint_rates(const Context& c, double h, const std::vector<double>& at,
-                                             const std::vector<double>& rates) {
+std::vector<double> System::constraint_rates(const Context& c, double h, const Unknowns& at,
+                                             const Unknowns& rates) {
     std::vector<double> found(drives_.size(), 0.0);
-    const std::vector<double> x1 = x1_;
+    const Unknowns x1 = x1_;
     const AtExit back([&] { x1_ = x1; });
     for (const double way : {h, -h}) {
         for (int u = 0; u < n_; ++u) x1_[u] = constraint_[u] ? 0.0 : at[u] + way * rates[u];
@@ -175,12 +175,12 @@ std::vector<double> System::constraint_rates(const Context& c, double h, const s
 
 // The work of what is driven by functions of time while rates change from v* to v1: that of its share of the
 // impulses p - G^T mu along the mean of both rates. `rates` are those before.
-void System::book_drives(const Context& c, const Context& end, const std::vector<double>& rates) {
+void System::book_drives(const Context& c, const Context& end, const Unknowns& rates) {
     if (drives_.empty()) return;
-    std::vector<double> mean(n_ + 1, 0.0);
+    Unknowns mean(n_ + 1, 0.0);
     for (int u = 0; u < n_; ++u)
         if (order_[u] > 0 && !fixed_[u]) mean[u] = 0.5 * (rates[u] + v_next_[u]);
-    const std::vector<double> at_end = constraint_rates(end, c.step.h, std::vector<double>(x1_), mean);
+    const std::vector<double> at_end = constraint_rates(end, c.step.h, Unknowns(x1_), mean);
     for (std::size_t k = 0; k < drives_.size(); ++k) drive_work_[k] = -d_[drives_[k]] * at_end[k];
     if (c.step.theta_g != 0) return;
     const std::vector<double> at_start = constraint_rates(end, c.step.h, x, mean);
@@ -190,8 +190,8 @@ void System::book_drives(const Context& c, const Context& end, const std::vector
 
 // The rates and multipliers at an instant at the end of a step.
 bool System::solve_rates(const Context& c, const Context& instant) {
-    const std::vector<double> x1 = x1_;
-    std::vector<double> without = x1_, impulse(n_), change;
+    const Unknowns x1 = x1_;
+    Unknowns without = x1_, impulse(n_), change;
     for (int u = 0; u < n_; ++u)
         if (constraint_[u]) without[u] = 0;
     // parts of the kept tangent may be written anew in steps to come
@@ -215,7 +215,7 @@ bool System::solve_rates(const Context& c, const Context& instant) {
 // residuals.
 bool System::solve_instant(const Step& now, const Signals& signals, const double* residual, double* a) {
     if (rate_revision_ != revision_) analyze_rates();
-    const std::vector<double> x1 = x1_;
+    const Unknowns x1 = x1_;
     std::copy_n(x.begin(), n_, x1_.begin());
     rate_values_.resize(values_.size());
     values_.swap(rate_values_);
@@ -239,7 +239,7 @@ bool System::project_rates(const Context& c) {
     const Vectors end_of_step{x1_.data(), x1_.data(), still_.data(), still_.data(), still_.data()};
     const Context instant{step, end_of_step, c.signals};
     if (!solve_rates(c, instant)) return false;
-    const std::vector<double> rates = v_next_;
+    const Unknowns rates = v_next_;
     take_rates(c.step);
     if (!c.step.uses_history()) book_drives(c, instant, rates);  // else in the multipliers
     return true;

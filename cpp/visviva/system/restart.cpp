@@ -8,6 +8,8 @@ namespace visviva {
 // The kept factorisation can be missing.
 static const std::string tangent_name = "tangent";
 static constexpr int tangent_version = 2;
+// Looks keep the predictor itself.
+static const std::string predictor_name = "predictor";
 
 // Terms are told apart by their place.
 std::string System::memory_name(std::size_t term) const {
@@ -15,13 +17,18 @@ std::string System::memory_name(std::size_t term) const {
 }
 
 std::vector<Record> System::memory() const {
+    std::vector<Record> all = memory_of_parts();
+    predictor_.write(all.emplace_back(Record{predictor_name, 1, {}}).numbers);
+    return all;
+}
+
+std::vector<Record> System::memory_of_parts() const {
     std::vector<Record> all;
     all.push_back({"iterations",
                    2,
                    {contraction_, contraction_of_forces_, noise_, static_cast<double>(iterations_last_)}});
     if (const SolverSequence* sequence = solver_->capabilities().sequence)
         all.push_back({"solver", 1, sequence->state()});
-    predictor_.write(all.emplace_back(Record{"predictor", 1, {}}).numbers);
     all.push_back({"mean rates", 1, mean_});
     if (monotone_.any()) all.push_back({"monotone", 1, monotone_.flags()});
     for (std::size_t k = 0; k < terms_.size(); ++k)
@@ -92,8 +99,8 @@ void System::recall(const std::vector<Record>& memory) {
     SolverSequence* sequence = solver_->capabilities().sequence;
     const std::vector<double> solver =
         sequence ? record_named(memory, "solver")->numbers : std::vector<double>();
-    const Record& predictor = *record_named(memory, "predictor");
-    predictor.end(predictor_.read(predictor.numbers.data()));
+    if (const Record* predictor = record_named(memory, predictor_name))
+        predictor->end(predictor_.read(predictor->numbers.data()));
     mean_ = record_named(memory, "mean rates")->numbers;
     if (monotone_.any()) monotone_.set_flags(record_named(memory, "monotone")->numbers);
     bool changed = false;
@@ -128,14 +135,14 @@ void System::make_again(const Record& tangent) {
     std::copy(m + 27, m + 47, &s.transport[0][0]);
     std::copy(m + 47, m + 67, &s.flow[0][0]);
     m += 67;
-    const std::vector<double> now[5] = {x, dx, v, a, w};
+    const Unknowns now[5] = {x, dx, v, a, w};
     const std::vector<double> known = histories();
     return_to(Past::tangent);
     const AtExit back([&] {
         x = now[0], dx = now[1], v = now[2], a = now[3], w = now[4];
         restore_histories(known);
     });
-    std::vector<std::vector<double>*> kept = {&x, &dx, &v};
+    std::vector<Unknowns*> kept = {&x, &dx, &v};
     if (s.uses_history()) kept.insert(kept.end(), {&a, &w});
     for (auto* u : kept) {
         std::copy(m, m + u->size(), u->begin());
@@ -162,8 +169,8 @@ void System::restore_evaluations(const std::vector<std::any>& all) {
         if (all[k].has_value()) terms_[k].can.memory->restore_evaluation(all[k]);
 }
 
-std::vector<std::vector<double>*> System::looked_at() {
-    std::vector<std::vector<double>*> all = {&x, &dx, &v, &a, &w};
+std::vector<Unknowns*> System::looked_at() {
+    std::vector<Unknowns*> all = {&x, &dx, &v, &a, &w};
     all.insert(all.end(), {&x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_});
     for (auto& u : last_) all.push_back(&u);
     for (auto& u : marked_) all.push_back(&u);
@@ -172,8 +179,9 @@ std::vector<std::vector<double>*> System::looked_at() {
 
 Snapshot System::snapshot() {
     Snapshot s;
-    for (const auto* u : looked_at()) s.vectors.push_back(*u);
-    s.memory = memory(), s.evaluated = evaluations();
+    for (const auto* u : looked_at()) s.vectors.emplace_back(*u);
+    s.predictor = predictor_;
+    s.memory = memory_of_parts(), s.evaluated = evaluations();
     s.accepted = accepted_, s.stale_begin = stale_begin_;
     return s;
 }
@@ -181,11 +189,12 @@ Snapshot System::snapshot() {
 void System::restore_snapshot(const Snapshot& s) {
     const auto vectors = looked_at();
     const auto bring_back = [&] {
-        for (std::size_t k = 0; k < vectors.size(); ++k) *vectors[k] = s.vectors[k];
+        for (std::size_t k = 0; k < vectors.size(); ++k) s.vectors[k].bring_back(*vectors[k]);
     };
     bring_back();
     accepted_ = s.accepted;
     recall(s.memory);
+    predictor_ = s.predictor;
     bring_back();
     for (const auto& [term, can] : terms_)
         if (!s.stale_begin) term->begin(x.data());

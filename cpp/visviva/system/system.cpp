@@ -18,9 +18,10 @@ System::System(std::vector<int> order, std::vector<char> fixed, std::vector<doub
                const std::vector<char>& flows)
     : n_(static_cast<int>(order.size())), order_(std::move(order)), fixed_(std::move(fixed)) {
     // One entry more than unknowns: element slots of nothing may point there.
-    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_, &d_,
+    for (auto* u : {&x, &dx, &v, &a, &w, &x1_, &rate_, &second_rate_, &base_rate_, &base_second_, &r_,
                     &v_next_, &a_next_, &w_next_, &still_})
-        u->assign(n_ + 1, 0.0);
+        *u = Unknowns(n_ + 1);
+    d_.assign(n_ + 1, 0.0);
     for (int i = 0; i < n_; ++i)
         if (const bool flow = !flows.empty() && flows[i];
             segments_.empty() || segments_.back().order != order_[i] || segments_.back().flows != flow)
@@ -128,14 +129,19 @@ void System::predict(const Step& step) {
     set_base_rates(step);
 }
 
+// Zeros that are there already are not written: untouched they take no memory.
+static void put(double value, double& place) {
+    if (place != value) place = value;
+}
+
 void System::set_base_rates(const Step& step) {
     for (const Segment& s : segments_) {
         if (s.order == 0) continue;
         const auto& t = s.table(step);
         const bool history = t[0][2] != 0 || t[0][3] != 0 || t[1][2] != 0 || t[1][3] != 0;
         for (int i = s.begin; i < s.end; ++i) {
-            base_rate_[i] = t[0][1] * v[i];
-            base_second_[i] = t[1][1] * v[i];
+            put(t[0][1] * v[i], base_rate_[i]);
+            put(t[1][1] * v[i], base_second_[i]);
         }
         for (int i = s.begin; history && i < s.end; ++i) {
             base_rate_[i] += t[0][2] * a[i] + t[0][3] * w[i];
@@ -155,8 +161,12 @@ void System::update_rates(const Step& step) {
         if (s.order == 0) continue;
         const int i = s.begin, n = s.end - s.begin;
         const auto& t = s.table(step);
-        if (needs_rates_) k.affine(n, t[0][0], &dx[i], &base_rate_[i], &rate_[i]);
-        if (s.order == 2) k.affine(n, t[1][0], &dx[i], &base_second_[i], &second_rate_[i]);
+        const auto add = [&](double factor, const Unknowns& base, Unknowns& rate) {
+            if (factor != 0) return k.affine(n, factor, &dx[i], &base[i], &rate[i]);
+            for (int j = i; j < s.end; ++j) put(base[j], rate[j]);
+        };
+        if (needs_rates_) add(t[0][0], base_rate_, rate_);
+        if (s.order == 2) add(t[1][0], base_second_, second_rate_);
     }
 }
 
@@ -218,7 +228,7 @@ bool System::refactor(const Context& c, const Step& step, bool has_mesh_tangents
     weigh_constraints();
     factored_ = step, factored_revision_ = revision_;
     factored_state_.clear();
-    std::vector<const std::vector<double>*> kept = {&x, &dx, &v};
+    std::vector<const Unknowns*> kept = {&x, &dx, &v};
     if (step.uses_history()) kept.insert(kept.end(), {&a, &w});
     for (const auto* u : kept) factored_state_.insert(factored_state_.end(), u->begin(), u->end());
     factored_signals_.clear();
@@ -287,7 +297,7 @@ Report System::advance(const Step& step, const Signals& signals, const NewtonOpt
 }
 
 // Row k of the scheme's tables: rates or history at the end of the step. False where no unknown has any.
-bool System::end_of_step(const Step& step, int k, const std::vector<double>& now, std::vector<double>& next) {
+bool System::end_of_step(const Step& step, int k, const Unknowns& now, Unknowns& next) {
     auto used = [k](const double table[5][4]) {
         return std::any_of(table[k], table[k] + 4, [](double c) { return c != 0; });
     };
@@ -307,7 +317,7 @@ bool System::end_of_step(const Step& step, int k, const std::vector<double>& now
 void System::record_mean(const Step& step) {
     mean_.clear();
     if (step.motion[2][1] != -1 || step.h <= 0) return;
-    mean_ = dx;
+    mean_.assign(dx.begin(), dx.end());
     for (double& rate : mean_) rate /= step.h;
 }
 

@@ -3,11 +3,13 @@
 #include <any>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "visviva/base/lap.hpp"
+#include "visviva/base/unknowns.hpp"
 #include "visviva/linear/linear.hpp"
 #include "visviva/linear/reduce/reduction.hpp"
 #include "visviva/system/monotone.hpp"
@@ -54,7 +56,8 @@ enum class Supply : int { work = 0, power = 1, amount = 2 };
 // All that a look at a system may change, kept so that it goes on to the bit as if nobody had looked: the
 // vectors, an increment that is tried among them, what a restart remembers, and what terms have evaluated.
 struct Snapshot {
-    std::vector<std::vector<double>> vectors;
+    std::vector<KeptUnknowns> vectors;
+    Predictor predictor;
     std::vector<Record> memory;
     std::vector<std::any> evaluated, accepted;
     bool stale_begin = true;
@@ -94,8 +97,8 @@ class System {
     // Before finalize(): the terms added here are some of those of the system, others have the rest.
     void set_processes(std::unique_ptr<Processes> processes) { processes_ = std::move(processes); }
     void finalize();
-    // Near null space of the tangent, [unknown][n_modes]: rigid motions of solids, for multigrid.
-    void set_modes(std::vector<double> modes, int n_modes) { modes_ = std::move(modes), n_modes_ = n_modes; }
+    // The near null space of the tangent, by unknown: rigid motions of solids, for multigrid.
+    void set_modes(Modes make, int n_modes) { modes_ = std::move(make), n_modes_ = n_modes; }
     void set_solver(std::unique_ptr<LinearSolver> solver);
     // For the rates at the end of steps that project them; constraint[unknown]: multipliers of lasting
     // constraints.
@@ -230,7 +233,7 @@ class System {
     const LinearSolver* solver() const { return solver_.get(); }
 
     // State by unknown: configuration, increment of the trial step, rate and the schemes' further history.
-    std::vector<double> x, dx, v, a, w;
+    Unknowns x, dx, v, a, w;
     LedgerSums sums;  // of the last accepted step
 
   private:
@@ -249,7 +252,8 @@ class System {
     Record tangent_record() const;
     std::vector<std::any> evaluations() const;
     void restore_evaluations(const std::vector<std::any>&);
-    std::vector<std::vector<double>*> looked_at();
+    std::vector<Unknowns*> looked_at();
+    std::vector<Record> memory_of_parts() const;
     void prepare_predictor();
     /// Whether motion is extrapolated nowhere: in statics, and where something cracks under steps that do not
     /// keep their energy, or without inertia.
@@ -274,22 +278,21 @@ class System {
     void take_off_excess(const Context&);
     void update_vectors(const Step&);
     void update_rates(const Step&);
-    bool end_of_step(const Step&, int k, const std::vector<double>& now, std::vector<double>& next);
+    bool end_of_step(const Step&, int k, const Unknowns& now, Unknowns& next);
     Report finish(Report, const Step&, const Signals&, bool ledger);
     void analyze_rates();
     void evaluate_lasting(const Context&);
     void keep_weightless();
     void evaluate_rate_matrix(const Context&);
-    void evaluate_rate_residual(const std::vector<double>& impulse, const std::vector<double>& change);
-    std::vector<double> constraint_impulse(const Context&, const std::vector<double>& without);
-    void add_later(const Context&, double later, double factor, std::vector<double>& d);
-    void drift(const Context&, double h, std::vector<double>& d);
+    void evaluate_rate_residual(const Unknowns& impulse, const Unknowns& change);
+    Unknowns constraint_impulse(const Context&, const Unknowns& without);
+    void add_later(const Context&, double later, double factor, Unknowns& d);
+    void drift(const Context&, double h, Unknowns& d);
     bool solve_rates(const Context&, const Context& instant);
     bool project_rates(const Context&);
     void take_rates(const Step&);
-    std::vector<double> constraint_rates(const Context&, double h, const std::vector<double>& at,
-                                         const std::vector<double>& rates);
-    void book_drives(const Context&, const Context& end, const std::vector<double>& rates);
+    std::vector<double> constraint_rates(const Context&, double h, const Unknowns& at, const Unknowns& rates);
+    void book_drives(const Context&, const Context& end, const Unknowns& rates);
     void evaluate(const Step&, const Signals&, bool with_mesh_tangents);
     void evaluate_residual(const Context&, bool all, bool with_mesh_tangents = false);
     void evaluate_tangent(const Context&, bool has_mesh_tangents);
@@ -333,7 +336,7 @@ class System {
             }
         return first;
     }
-    void add_up(std::vector<double>& values, const std::exception_ptr& failure);
+    void add_up(std::span<double> values, const std::exception_ptr& failure);
     void add_up(LedgerSums&, const std::exception_ptr& failure);
     void agree(const std::exception_ptr& failure, bool any) const;
     void agree(Refusal& no) const;
@@ -371,7 +374,7 @@ class System {
     Blocks blocks_;
     void describe_nodes();
     void find_judged();
-    std::vector<double> modes_;
+    Modes modes_;
     int n_modes_ = 0;
     std::vector<int> island_, constraint_account_, account_island_;
     std::vector<int> node_, place_, held_;  // held: fixed unknowns with equations
@@ -398,16 +401,17 @@ class System {
     };
     std::vector<Segment> segments_;
     bool needs_rates_ = false;
-    std::vector<double> x1_, rate_, second_rate_, base_rate_, base_second_, r_, d_, values_, rate_values_;
-    std::vector<double> constraint_weight_;         // by unknown; zero for what is no constraint
-    std::vector<double> v_next_, a_next_, w_next_;  // of the step being accepted
-    std::vector<int> guessed_;                      // unknowns
-    std::vector<double> guess_;                     // of their increments in the next one
-    std::vector<double> still_;                     // the velocities of statics, none
-    std::vector<double> last_[5];                   // x, dx, v, a, w of the step accepted last
-    std::vector<double> mean_;                      // rate of that step, where velocities swing; or none
-    std::vector<double> marked_[4];                 // x, v, a, w at its end
-    std::vector<std::any> accepted_;                // what terms evaluated in it
+    Unknowns x1_, rate_, second_rate_, base_rate_, base_second_, r_;
+    std::vector<double> d_, values_, rate_values_;
+    std::vector<double> constraint_weight_;  // by unknown; zero for what is no constraint
+    Unknowns v_next_, a_next_, w_next_;      // of the step being accepted
+    std::vector<int> guessed_;               // unknowns
+    std::vector<double> guess_;              // of their increments in the next one
+    Unknowns still_;                         // the velocities of statics, none
+    Unknowns last_[5];                       // x, dx, v, a, w of the step accepted last
+    std::vector<double> mean_;               // rate of that step, where velocities swing; or none
+    Unknowns marked_[4];                     // x, v, a, w at its end
+    std::vector<std::any> accepted_;         // what terms evaluated in it
     double contraction_ = 1, contraction_of_forces_ = 1, noise_ = 0;
     std::vector<char> is_judged_;  // by unknown
     MultiplierForces multiplier_forces_;

@@ -46,6 +46,7 @@ void System::find_judged() {
 // Nodes and near-null vectors by equation. Held equations are identities and take no part in rigid motions.
 void System::describe_nodes() {
     blocks_.node.clear(), blocks_.place.clear(), blocks_.algebraic.clear(), blocks_.scale.clear();
+    blocks_.algebraic.reserve(csr_.n), blocks_.scale.reserve(csr_.n);
     for (int i = 0; i < csr_.n; ++i)
         if (i == 0 || node_[csr_.unknown[i]] != node_[csr_.unknown[i - 1]]) blocks_.node.push_back(i);
     for (int u : csr_.unknown) {
@@ -55,11 +56,10 @@ void System::describe_nodes() {
     }
     blocks_.node.push_back(csr_.n);
     blocks_.n_modes = n_modes_;
-    blocks_.modes.assign(static_cast<std::size_t>(csr_.n) * n_modes_, 0.0);
-    for (int i = 0; i < csr_.n; ++i)
-        if (const int u = csr_.unknown[i]; !fixed_[u])
-            std::copy_n(modes_.data() + static_cast<std::size_t>(u) * n_modes_, n_modes_,
-                        blocks_.modes.data() + static_cast<std::size_t>(i) * n_modes_);
+    blocks_.modes = [this](std::vector<int> rows, double* to) {
+        for (int& row : rows) row = row < 0 || fixed_[csr_.unknown[row]] ? -1 : csr_.unknown[row];
+        if (n_modes_ > 0) modes_(rows, to);
+    };
 }
 
 bool System::linearise(const Step& step, const Signals& signals, double* residual) {

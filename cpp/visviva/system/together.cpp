@@ -17,7 +17,7 @@ static std::string what_of(const std::exception_ptr& failure) {
 }
 
 // Sums over processes what each has evaluated [n + 1], or gives up if one of them could not.
-void System::add_up(std::vector<double>& values, const std::exception_ptr& failure) {
+void System::add_up(std::span<double> values, const std::exception_ptr& failure) {
     if (!processes_) return failure ? std::rethrow_exception(failure) : void();
     values[n_] = failure ? 1 : 0;
     processes_->sum(values.data(), static_cast<std::size_t>(n_) + 1);
@@ -64,7 +64,7 @@ bool System::factor_by(LinearSolver& solver, const Step& step) {
 // Solves K d = -r for the residual r_, all of which every process knows.
 bool System::solve_for(LinearSolver& solver, const Step& step, double tolerance) {
     if (!processes_) return solver.solve(r_.data(), place(step), d_.data(), tolerance);
-    std::vector<double> part(r_);
+    Unknowns part = r_;
     for (int u = 0; u < n_; ++u)
         if (!is_own(u)) part[u] = 0;
     return share(solver.solve(part.data(), place(step), d_.data(), tolerance));

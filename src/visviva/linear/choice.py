@@ -26,6 +26,7 @@ from visviva.base.arguments import Validated, bounded
 from visviva.base.errors import InputError
 
 Array = NDArray[np.float64]
+Ints = NDArray[Any]
 
 BETWEEN = 1e-300, 1 - 1e-9
 """Tolerances of iterative solvers."""
@@ -483,25 +484,37 @@ class Automatic(LinearOptions):
         return Choice(tuple(c for choice in choices for c in choice.in_order), f"{reasons[0]}: {text}")
 
 
-def rigid_motions(positions: Array) -> Array:
-    """Motions of points (n, d) that strain nothing: (n * d, 6), or (n * d, 3) in the plane.
+def n_rigid_motions(dimension: int) -> int:
+    """How many motions of points strain nothing."""
+    return dimension + len(turns(dimension))
+
+
+def turns(dimension: int) -> list[tuple[int, int]]:
+    """Planes of the rotations."""
+    return [(0, 1), (1, 2), (2, 0)] if dimension == 3 else [(0, 1)]
+
+
+def put_rigid_motions(positions: Array, coordinates: Ints, motions: Array, rows: Ints) -> None:
+    """Put motions of points (n, d) that strain nothing, of some of the n * d coordinates, into rows of zeros.
 
     Rotations are about the centre, so that all motions are of similar size.
 
     Examples
     --------
     >>> import numpy as np
-    >>> rigid_motions(np.array([[0.0, 0.0], [2.0, 0.0]])).tolist()
+    >>> motions = np.zeros((4, 3))
+    >>> put_rigid_motions(np.array([[0.0, 0.0], [2.0, 0.0]]), np.arange(4), motions, np.arange(4))
+    >>> motions.tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]
     """
-    n, d = positions.shape
-    arm = positions - positions.mean(axis=0)
-    turns = [(0, 1), (1, 2), (2, 0)] if d == 3 else [(0, 1)]
-    motions = np.zeros((n, d, d + len(turns)))
-    motions[:, range(d), range(d)] = 1.0
-    for k, (i, j) in enumerate(turns):
-        motions[:, i, d + k], motions[:, j, d + k] = 0.0 - arm[:, j], arm[:, i]
-    return motions.reshape(n * d, -1)
+    d, centre = positions.shape[1], positions.mean(axis=0)
+    node, direction = coordinates // d, coordinates % d
+    motions[rows, direction] = 1.0
+    for k, (i, j) in enumerate(turns(d)):
+        for along, other, sign in ((i, j, -1.0), (j, i, 1.0)):
+            some = direction == along
+            arm = positions[node[some], other] - centre[other]
+            motions[rows[some], d + k] = 0.0 + sign * arm
 
 
 @cache

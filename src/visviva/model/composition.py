@@ -21,19 +21,21 @@ class Composition:
     ----------
     number : int
         How many were settled before it: what one of several processes was refused alone does not count.
+    is_settled : bool
+        Whether all of them have.
     """
 
     _made = count()
 
     def __init__(self) -> None:
-        self.number = -1
+        self.number, self.is_settled = -1, False
         self._alike = object()
         self._names: tuple[tuple[int, str, str], ...] = ()
         self._values = 0
 
     def settle(self, fields: Sequence[Field], before: Composition | None) -> None:
         """Note the numbers of the unknowns of all fields, and whether they are those of the composition before."""
-        self.number = next(self._made)
+        self.number, self.is_settled = next(self._made), True
         self._names = tuple((f.start, f.component.label, f.name) for f in fields)
         self._values = hash(b"".join(f.values.tobytes() for f in fields))
         if before is not None and (self._names, self._values) == (before._names, before._values):

@@ -85,7 +85,7 @@ class Model:
     _transport: list[Field] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
     _opened: dict[tuple[int, str, str], int] = field(default_factory=dict)
-    _initial: Array | None = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
+    _initial: Array = field(default_factory=lambda: np.zeros((2, 64)))  # with room to grow
 
     def index(self, component: Owner) -> int:
         """Number of a component."""
@@ -166,17 +166,12 @@ class Model:
         self.fields.append(new)
         if role.order == 1:
             self._transport.append(new)
-        self._remember(new)
+        self.refresh(new)
         return new
 
-    def refresh(self, changed: Field) -> None:
+    def refresh(self, new: Field) -> None:
         """To be called after initial values or rates of a field were changed."""
-        self._remember(changed)
-
-    def _remember(self, new: Field) -> None:
         end = new.start + new.size
-        if self._initial is None:
-            return
         if end > self._initial.shape[1]:
             self._initial = np.hstack([self._initial, np.zeros((2, end))])
         self._initial[:, new.start : end] = new.values, new.rates
@@ -197,7 +192,7 @@ class Model:
         held.rates[k] = 0.0
         if values is not None:
             held.values[k] = values
-        self._remember(held)
+        self.refresh(held)
 
     def prescribe(
         self,
@@ -225,7 +220,7 @@ class Model:
             self._refuse_held(component, moved, first, " and ".join(others) or "another support")
         self.hold(moved, k, values(0.0))
         moved.rates[k] = rates(0.0, 0.0)
-        self._remember(moved)
+        self.refresh(moved)
         account = self.account(
             component, "supply" if moved.order == 1 else "prescribed motion", supply_of(moved)
         )
@@ -245,16 +240,12 @@ class Model:
     @property
     def initial(self) -> tuple[Array, Array]:
         """Initial values and rates of all unknowns made so far."""
-        if self._initial is None:
-            return np.concatenate([f.values for f in self.fields]), np.concatenate(
-                [f.rates for f in self.fields]
-            )
+        if self._composition.is_settled:  # what grows with components has served
+            self._initial = np.zeros((2, 0))
+            every = [[f.values for f in self.fields], [f.rates for f in self.fields]]
+            return np.concatenate(every[0]), np.concatenate(every[1])
         x, v = self._initial[:, : self.n_unknowns]
         return x, v
-
-    def complete(self) -> None:
-        """Let go of what is there to look initial values up fast while components contribute."""
-        self._initial = None
 
     def multipliers(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,8 @@ from visviva.linear.choice import (
     Direct,
     Problem,
     Temperatures,
-    rigid_motions,
+    n_rigid_motions,
+    put_rigid_motions,
 )
 from visviva.linear.petsc import Petsc
 from visviva.linear.staggered import Halves, Staggered
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
 
 WHOLE = 100.0
 """By so much redundant constraints are regularised more in factors of the whole matrix, which do not look for them:
@@ -152,17 +154,17 @@ def has_diagonal(fields: Sequence[Field], eliminated: int, condensed: int) -> bo
     return not others and (free, pressures) == (eliminated, condensed)
 
 
-def rigid_modes(model: Model) -> Array:
-    """Rigid motions of the nodes of meshes by unknown; zero for everything else."""
-    parts = [
-        rigid_motions(f.values.reshape(-1, f.node)) if f.node > 1 and f.order == 2 else None
-        for f in model.fields
-    ]
-    modes = np.zeros((model.n_unknowns, max((p.shape[1] for p in parts if p is not None), default=0)))
-    for f, part in zip(model.fields, parts, strict=True):
-        if part is not None:
-            modes[f.start : f.start + f.size, : part.shape[1]] = part
-    return modes
+def rigid_modes(model: Model) -> tuple[Callable[[Ints, Array], None], int]:
+    """What puts rigid motions of the nodes of meshes, of some unknowns, where zeros are, and how many there are."""
+    fields = [f for f in model.fields if f.node > 1 and f.order == 2]
+    places = [(f.start, f.values.reshape(-1, f.node)) for f in fields]
+
+    def put(unknowns: Ints, modes: Array) -> None:
+        for start, points in places:
+            own = np.flatnonzero((unknowns >= start) & (unknowns < start + points.size))
+            put_rigid_motions(points, unknowns[own] - start, modes, own)
+
+    return put, max((n_rigid_motions(f.node) for f in fields), default=0)
 
 
 def hand_solvers(system: System) -> str:
@@ -176,7 +178,7 @@ def hand_solvers(system: System) -> str:
         core.use_solver(by_blocks, newton.regularization)
         project_in_core(system, by_blocks)
         return f"{core.n_equations} equations: {core.solver}"
-    core.set_modes(rigid_modes(system.model))
+    core.set_modes(*rigid_modes(system.model))
     if isinstance(options, Staggered) and problem.temperatures is Temperatures.COUPLED:
         choice = options.choose_in_turn(problem, halves_of(system, problem))
     else:

@@ -126,10 +126,7 @@ class System(metaclass=Named):
         self.order = np.where(self.local < 0, order, 0)  # what elements have alone follows the coordinates
         self.core = build_core(self)
         self.choose_linear()
-        self.core.x[:], rates = self.model.initial
-        if rates.any():  # memory that is not written takes no room
-            self.core.v[:] = rates
-        self.model.complete()
+        self.core.x[:], self.core.v[:] = self.model.initial
         check_finite(self)
         even_out(self)
 

@@ -36,7 +36,7 @@ namespace {
 
 Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_left) {
     Blocks b = blocks;
-    b.node.clear(), b.place.clear(), b.modes.clear(), b.algebraic.clear(), b.scale.clear();
+    b.node.clear(), b.place.clear(), b.algebraic.clear(), b.scale.clear();
     // first equations of nodes, and at last the number of equations
     for (std::size_t k = 0; k + 1 < blocks.node.size(); ++k) {
         const auto begin = kept.begin() + blocks.node[k], end = kept.begin() + blocks.node[k + 1];
@@ -44,14 +44,15 @@ Blocks left_blocks(const Blocks& blocks, const std::vector<int>& kept, int n_lef
         if (first != end) b.node.push_back(*first);
     }
     if (!blocks.node.empty()) b.node.push_back(n_left);
+    std::vector<int> rows;
     for (std::size_t i = 0; i < kept.size(); ++i) {
         if (kept[i] < 0) continue;
-        const auto modes = blocks.modes.begin() + static_cast<std::ptrdiff_t>(i) * b.n_modes;
-        b.modes.insert(b.modes.end(), modes, modes + b.n_modes);
+        rows.push_back(static_cast<int>(i));
         if (!blocks.place.empty()) b.place.push_back(blocks.place[i]);
         if (!blocks.algebraic.empty()) b.algebraic.push_back(blocks.algebraic[i]);
         if (!blocks.scale.empty()) b.scale.push_back(blocks.scale[i]);
     }
+    b.modes = rows_of(blocks.modes, std::move(rows));
     return b;
 }
 
