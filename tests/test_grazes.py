@@ -132,6 +132,18 @@ def faces_of(post: vv.Solid, *names: str) -> Faces:
     return Faces(*joined)
 
 
+def post_and_bar(kind: str, side: int) -> tuple[vv.Solid, Any]:
+    """A post of one brick, and a bar that moves towards one side of it, a tenth of a metre wide both."""
+    mesh = vv.BoxMesh(size=(0.1, 0.2, 1.0), counts=(1, 1, 1), origin=(-0.05, -0.1, -0.5)).build()
+    post = vv.Solid(mesh=mesh, material=vv.NeoHooke(young=1e9, poisson=0.3), density=1e3)
+    middle, velocity = np.array([0.15 * side, 0.2, 0]), (-side * SPEED, 0, 0)
+    if kind == "solid":
+        along = vv.BoxMesh(size=(0.1, 1.0, 0.1), counts=(1, 3, 1), origin=tuple(middle - [0.05, 0.5, 0.05]))
+        return post, vv.Solid(mesh=along, material=SOFT, density=1e3, velocity=velocity)
+    shape = vv.Box(size=(0.1, 1.0, 0.1))
+    return post, vv.RigidBody(shape=shape, density=1e3, position=tuple(middle), velocity=velocity)
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("several", [False, True])
 @pytest.mark.parametrize("kind", ["rigid", "solid"])
@@ -140,21 +152,20 @@ def test_a_bar_does_not_pass_a_post_of_which_a_face_is_named(
     step: float, kind: str, several: bool, side: int
 ) -> None:
     """Only what is before its middle is as deep as its face: looks that suit both sides of that missed a fifth."""
-    post = vv.Solid(
-        mesh=vv.BoxMesh(size=(0.1, 0.2, 1.0), counts=(1, 1, 1), origin=(-0.05, -0.1, -0.5)).build(),
-        material=vv.NeoHooke(young=1e9, poisson=0.3),
-        density=1e3,
-    )
-    middle, velocity = np.array([0.15 * side, 0.2, 0]), (-side * SPEED, 0, 0)
-    bar: Any = vv.RigidBody(
-        shape=vv.Box(size=(0.1, 1.0, 0.1)), density=1e3, position=tuple(middle), velocity=velocity
-    )
-    if kind == "solid":
-        mesh = vv.BoxMesh(size=(0.1, 1.0, 0.1), counts=(1, 3, 1), origin=tuple(middle - [0.05, 0.5, 0.05]))
-        bar = vv.Solid(mesh=mesh, material=SOFT, density=1e3, velocity=velocity)
+    post, bar = post_and_bar(kind, side)
     name = "x1" if side > 0 else "x0"
     faces: Any = faces_of(post, name, "y1") if several else name
     contact = vv.Contact(first=post, second=bar, first_faces=faces, formulation="node-to-segment")
+    with pytest.raises(vv.StepFailure, match="sink into each other by"):
+        vv.simulate(vv.System([post, bar, contact, vv.Fixed(solid=post, nodes="z0")]), until=0.4, step=step)
+
+
+@pytest.mark.parametrize("named", [{}, {"first_faces": "x0"}])
+@pytest.mark.parametrize("step", [0.05, 0.07, 0.09, 0.2])
+def test_the_rounding_behind_a_border_hides_no_depth(step: float, named: dict[str, str]) -> None:
+    """Ends of a bar are beside the face, and deep behind its border: it went on as if its gaps held that."""
+    post, bar = post_and_bar("rigid", 1)
+    contact = vv.Contact(first=bar, second=post, second_faces="x1", formulation="node-to-segment", **named)
     with pytest.raises(vv.StepFailure, match="sink into each other by"):
         vv.simulate(vv.System([post, bar, contact, vv.Fixed(solid=post, nodes="z0")]), until=0.4, step=step)
 

@@ -113,9 +113,13 @@ Piercing::Finding ContactTerm::look(const Context& c) {
     return piercing_->look(c.vectors.x0, c.vectors.x1, seen);
 }
 
+// How deep gaps see bodies in each other; behind a border, beside what carries them, they are in nothing.
 double ContactTerm::deepest() const {
     double seen = 0;
-    for (int A = 0; A < gaps_->n(); ++A) seen = std::max(seen, depth(A, gap1_, area1_));
+    std::vector<double> gap(gaps_->n()), area(gaps_->n());
+    gaps_->values(X1_.data(), gap.data(), area.data());
+    for (int A = 0; A < gaps_->n(); ++A)
+        if (!gaps_->is_beyond_border(A)) seen = std::max(seen, depth(A, gap1_, area1_));
     return seen;
 }
 

@@ -112,6 +112,8 @@ class Gaps {
     bool has_left(int gap) const { return !left_.empty() && left_[gap]; }
     /// Whether it begins with what was found below a side that it did not come in by.
     bool has_come(int gap) const { return !come_.empty() && come_[gap]; }
+    /// Whether a gap, as values were last asked for, is that to the rounding behind a border.
+    bool is_beyond_border(int gap) const { return !beyond_.empty() && beyond_[gap]; }
     /// The configuration where the last step begins is that of the kept tangent.
     virtual void mark_tangent() {}
     /// Memory of gaps: the way to where the last step began.
@@ -161,7 +163,7 @@ class Gaps {
     Covers covers_;
     int n_ = 0, copies_ = 1, unheld_ = 0;
     std::vector<std::vector<int>> stencils_;
-    std::vector<char> left_, come_;
+    std::vector<char> left_, come_, beyond_;
     double flush_ = 0;
 };
 

@@ -234,7 +234,7 @@ PointGaps::Reach NodeToSegment::distance(const double* X, int A, int derivatives
     Found found;
     const Reach reach = locate(X, A, found);
     if (reach != Reach::near) return reach;
-    out.value = found.value;
+    out.value = found.value, out.beyond = found.rim.n > 0;
     const FacetShape& facet = found.facet;
     if (derivatives == 0) return Reach::near;
     Eigen::VectorXd g;

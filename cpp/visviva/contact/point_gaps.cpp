@@ -276,9 +276,11 @@ int PointGaps::strays(const double* from, const double* to, const double* before
 
 void PointGaps::values(const double* X, double* gap, double* area) {
     find_middles({X, start()});
+    beyond_.resize(n_);
     parallel_for(n_, [&](int A) {
         Distance d;
         const Reach reach = distance(X, A, 0, d);
+        beyond_[A] = d.beyond;
         area[A] = reach == Reach::near ? options_.areas[A] : 0;
         if (!static_) d.value += sides_.of(A).offset;
         gap[A] = options_.areas[A] * (reach == Reach::near ? d.value - options_.radius : options_.reach);

@@ -38,6 +38,7 @@ class PointGaps : public Gaps, public Offsets {
         double value = 0;
         Eigen::VectorXd gradient;  // by the positions of the stencil
         Eigen::MatrixXd hessian;
+        bool beyond = false;  // to the rounding behind a border
     };
     /// Signed distance of a vertex, with as many derivatives as are wanted.
     virtual Reach distance(const double* X, int vertex, int derivatives, Distance& out) const = 0;
