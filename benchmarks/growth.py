@@ -82,7 +82,7 @@ def budget(system: Any) -> dict[str, float]:
         "neighbours of nodes": 8.0 * blocks + 80 * n / d,
         "its finest grid, in single precision": 4.0 * (entries + 2 * blocks),
         "coarser grids, ways between them, while they are made": 1700.0 * n / d,
-        "vectors and rigid motions": 8.0 * n * (9 + 75),
+        "vectors and rigid motions": 8.0 * n * (9 + 50),
     }
 
 
