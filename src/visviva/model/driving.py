@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -110,17 +110,11 @@ class Driving:
         """Accounts of what gets another rate at once after `start` and not after `end`."""
         return {account for t, accounts in self.kinks.items() if start < t <= end for account in accounts}
 
-    def strayed(self, t0: float, t1: float, start: float, end: float) -> Array:
-        """By how much mean rates from `t0` to `t1` are off those at `t0`, of signals with kinks from `start` to `end`.
-
-        Nothing of all others: the rest of them is smooth.
-        """
-        h = t1 - t0
+    def of_bent(self, start: float, end: float, of: Callable[[TimeFunction], float]) -> Array:
+        """What `of` tells of signals with kinks from `start` to `end`; nothing of all others: they are smooth."""
         return np.array(
             [
-                (f(t1) - f(t0)) / h - f.rate_after(t0, h)
-                if k in self.rated and any(start < t <= end for t in f.kinks)
-                else 0.0
+                of(f) if k in self.rated and any(start < t <= end for t in f.kinks) else 0.0
                 for k, f in enumerate(self.signals)
             ]
         )

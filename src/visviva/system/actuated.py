@@ -86,7 +86,7 @@ class Actuated(Instant):
         inputs = np.isin(self.multipliers, [u for u, _ in self.system.model.driving.inputs])
         if not inputs.any():
             return
-        n, part, least = len(self.coordinates), self._parts(), self._least()
+        n, part, least = len(self.coordinates), self.parts(), self._least()
         own = {p: np.flatnonzero(inputs & (part[n:] == p)) for p in np.unique(part[n:][inputs])}
         weak = [p for p, rows in own.items() if self._detour(least, rows) > most]
         if weak:
@@ -117,7 +117,7 @@ class Actuated(Instant):
         size = np.linalg.norm(other, axis=0)
         return float(np.linalg.norm(own / size @ np.linalg.pinv(np.linalg.qr(other / size)[1]), 2))
 
-    def _parts(self) -> NDArray[np.int32]:
+    def parts(self) -> NDArray[np.int32]:
         """Numbers (n + m,) of the parts that hang together, by masses, constraints or actuators."""
         import scipy.sparse as sp
         from scipy.sparse.csgraph import connected_components

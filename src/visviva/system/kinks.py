@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from visviva.base.errors import InputError
 from visviva.system.instant import inertia, instant
 from visviva.system.memory import returning
 
 if TYPE_CHECKING:
+    from visviva.base.timefunction import TimeFunction
+    from visviva.model.field import Prescription
     from visviva.scheme.schemes import Scheme
     from visviva.system.actuated import Actuated
     from visviva.system.system import System
 
 Array = NDArray[np.float64]
 
-BROUGHT = ("work", "dissipation", "heat")
-"""Categories of accounts of what changes energies."""
+FOLLOWS = 1e-9
+"""Part of the rates of what is driven that may be left where nothing follows it."""
 
 
 @dataclass(frozen=True)
@@ -32,19 +36,14 @@ class Before:
         Positions of what is moved by means.
     passed : float
         Up to when kinks are passed.
-    energy : float or None
-        Of the system, unless nobody has summed it up or asks for it.
     """
 
     places: Array
     passed: float
-    energy: float | None
 
     @staticmethod
     def of(system: System) -> Before:
-        known = system.model.driving.kinks and not system.is_given
-        energy = float(system.core.energy.sum()) if known else None
-        return Before(system.x[system.stepper.means], passed(system), energy)
+        return Before(system.x[system.stepper.means], passed(system))
 
 
 def passed(system: System) -> float:
@@ -62,16 +61,20 @@ class Turn:
         Of the rates of all unknowns.
     impulses : array (m,)
         Multipliers of the constraints of that moment, by which it comes.
+    reached : array of bool (n,)
+        Unknowns of the parts that it may turn, by masses, constraints and actuators.
     """
 
     change: Array
     impulses: Array
+    reached: NDArray[np.bool_]
 
     def __add__(self, other: Turn) -> Turn:
-        return Turn(self.change + other.change, self.impulses + other.impulses)
+        reached = self.reached | other.reached
+        return Turn(self.change + other.change, self.impulses + other.impulses, reached)
 
     def __rmul__(self, part: float) -> Turn:
-        return Turn(part * self.change, part * self.impulses)
+        return Turn(part * self.change, part * self.impulses, self.reached)
 
 
 def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent: set[int]) -> bool:
@@ -86,7 +89,7 @@ def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent
         Accounts of what has the kink.
     """
     from visviva.system.actuated import OPEN, Actuated
-    from visviva.system.consistency import project_velocities, restart_motion
+    from visviva.system.consistency import restart_motion
 
     stepper, energy, rates = system.stepper, float(system.core.energy.sum()), system.v.copy()
     last, has_rates = stepper.last, stepper.has_rates
@@ -95,19 +98,20 @@ def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent
     if at.is_open or not bent & _reached(at):
         return False
     system.follow_prescribed()
-    project_velocities(system, at)
-    turned, strayed = turn(at, system.v - rates), None if scheme.solves_means else astray(at, step, before)
-    work, twice = works_at_kinks(at, turned, strayed, scheme, step.h)
+    within = None if scheme.solves_means else astray(at, step, before)
+    turned = turn(at, bent, system.v - rates)
+    system.v[at.coordinates] += turned.change[at.coordinates]
+    system.invalidate()
+    own = works(at, turned, system.v - 0.5 * turned.change)
+    work, twice = works_at_kinks(at, turned, within, scheme, step.h)
     if scheme.needs_acceleration:
-        restart_motion(system, scheme, step.h, at.left)
+        reached = turned.reached if within is None else turned.reached | within.mean.reached
+        left = np.union1d(at.left, np.flatnonzero(~reached))
+        restart_motion(system, scheme, step.h, left.astype(np.int32))
     evaluate_ledger_again(system)
-    system.core.work[:] += work - twice
-    if strayed is None:
-        lacking = float(system.core.energy.sum()) - energy - float(work.sum())
-    else:
-        lacking = _lacking(system, before) if not len(at.left) else 0.0
-    shares = np.abs(work) if work.any() else np.isin(np.arange(len(work)), list(bent)).astype(float)
-    system.core.work[:] += lacking * shares / shares.sum()
+    lacking = float(system.core.energy.sum()) - energy - float(own.sum())
+    shares = np.abs(own) if own.any() else np.isin(np.arange(len(own)), list(bent)).astype(float)
+    system.core.work[:] += work - twice + lacking * shares / shares.sum()
     stepper.led_by(last)
     stepper.has_rates = has_rates
     return True
@@ -119,53 +123,110 @@ def _reached(at: Actuated) -> set[int]:
     return {a for u, a in driving.working if u in multipliers} | {p.account for p in driving.prescribed}
 
 
-def turn(at: Actuated, change: Array) -> Turn:
-    """The change of the rates (n,) of motion with its impulses."""
+def turn(at: Actuated, bent: set[int], change: Array) -> Turn:
+    """What turns at once where rates (n,) of prescribed unknowns do, and those of drives that have a kink.
+
+    Others keep what the rates of their constraints are off by, as a step leaves them: that of rotors is no work of a
+    drive.
+    """
     change = np.where(at.system.order == 2, change, 0.0)
-    free = change[at.coordinates]
-    return Turn(change, at.solve(np.zeros(len(free)), at.G @ free)[1])
+    drift = at.drift(np.zeros(len(at.system.model.driving.signals)), change)
+    off = at.G @ at.system.v[at.coordinates] + at.drift()
+    own = np.isin(at.multipliers, [u for u, a in at.system.model.driving.working if a in bent])
+    drift[own] = off[own]
+    return followed(at, change, drift)
 
 
-def astray(at: Actuated, step: Any, before: Before) -> Turn | None:
-    """What kinks within a step have turned its mean rates by; None if there are no kinks but at its end."""
+def followed(at: Actuated, change: Array, drift: Array) -> Turn:
+    """The impulses by which all else follows a change (n,) of prescribed rates, and the rates (m,) of constraints.
+
+    Raises
+    ------
+    InputError
+        If nothing can follow; it names what is left.
+    """
+    system = at.system
+    pushed = -inertia(system, change)[at.coordinates] if change.any() else np.zeros(len(at.coordinates))
+    own, impulses = at.solve_consistent(pushed, -drift)
+    left = np.abs(at.G @ own + drift)
+    if len(left) and left.max() > FOLLOWS * np.max(abs(at.G) @ np.abs(own) + np.abs(drift)):
+        component, unknown = system.describe(int(at.multipliers[np.argmax(left)]))
+        raise InputError(
+            f"{component}: at the kink of what is driven at the time {system.time:.6g} no velocities satisfy all "
+            f"constraints; {unknown} stays violated at the rate {left.max():.3g}. Check prescribed motions against "
+            "what joints allow"
+        )
+    change = change.copy()
+    change[at.coordinates] = own
+    part = at.parts()
+    reached = change != 0
+    reached[np.concatenate([at.coordinates, at.multipliers])] = np.isin(
+        part, part[np.flatnonzero(np.concatenate([pushed, drift]))]
+    )
+    return Turn(change, impulses, reached)
+
+
+@dataclass(frozen=True)
+class Within:
+    """What kinks within a step have turned.
+
+    Attributes
+    ----------
+    mean, driven : Turn
+        Its mean rates, from those at its start, all of it and by drives alone.
+    last : Turn
+        The rates at its end, from those at its start, by drives alone.
+    """
+
+    mean: Turn
+    driven: Turn
+    last: Turn
+
+
+def astray(at: Actuated, step: Any, before: Before) -> Within | None:
+    """What kinks within a step have turned; None if there are no kinks but at its end."""
     system, driving = at.system, at.system.model.driving
-    begun, end = before.passed, step.t1 - system.clock.rounding(step.t1)
+    begun, end, t0, t1, h = before.passed, step.t1 - system.clock.rounding(step.t1), step.t0, step.t1, step.h
     bent = driving.bent(begun, end)
     if not bent:
         return None
-    signals = driving.strayed(step.t0, step.t1, begun, end)
-    change = at.prescribed(
-        lambda p: (
-            (p.values(step.t1) - p.values(step.t0)) / step.h - p.rates(step.t0, step.h)
-            if p.account in bent
-            else np.zeros(len(p.unknowns))
-        )
-    )
-    change[system.order != 2] = 0.0
-    drift = at.drift(signals, change)
-    change[at.coordinates], impulses = at.solve(np.zeros(len(at.coordinates)), -drift)
-    return Turn(change, impulses)
+
+    def led(of: Callable[[TimeFunction], float]) -> Turn:
+        still = np.zeros(len(system.x))
+        return followed(at, still, at.drift(driving.of_bent(begun, end, of), still))
+
+    def off(p: Prescription) -> Array:
+        if p.account not in bent:
+            return np.zeros(len(p.unknowns))
+        return np.asarray((p.values(t1) - p.values(t0)) / h - p.rates(t0, h))
+
+    driven = led(lambda f: (f(t1) - f(t0)) / h - f.rate_after(t0, h))
+    change = np.where(system.order == 2, at.prescribed(off), 0.0)
+    moved = followed(at, change, at.drift(np.zeros(len(driving.signals)), change))
+    return Within(driven + moved, driven, led(lambda f: f.rate_after(t1, h) - f.rate_after(t0, h)))
 
 
 def works_at_kinks(
-    at: Actuated, turned: Turn, strayed: Turn | None, scheme: Scheme, h: float
+    at: Actuated, turned: Turn, within: Within | None, scheme: Scheme, h: float
 ) -> tuple[Array, Array]:
     """Work of the impulses at kinks, and of them what multipliers have done within the step already; by account.
 
     The rates with which a step across a kink ends have turned by a part of what the scheme makes of its mean rates, and
-    its forces are those of that.
+    its forces are those of that. Where the core projects them, by drives they have turned whole, and by forces of that.
     """
-    after = at.system.v
-    if strayed is None:
-        return works(at, turned, after - 0.5 * turned.change), np.zeros(len(at.system.core.work))
-    table = scheme.motion(h)
-    whole = turned + h * table[2][0] * strayed
-    at_ends = (
-        0.5 if scheme.needs_acceleration else 1.0
-    )  # forces at the end of a step are half of those along it
-    mean = after - whole.change + strayed.change
-    work = works(at, whole, after - 0.5 * whole.change)
-    return work, at_ends * h * h * table[1][0] * works(at, strayed, mean)
+    system, table = at.system, scheme.motion(h)
+    after = system.v
+    if within is None:
+        return works(at, turned, after - 0.5 * turned.change), np.zeros(len(system.core.work))
+    part, force = h * table[2][0], h * table[1][0]
+    whole, done = turned + part * within.mean, force * within.mean
+    if scheme.needs_acceleration and scheme.projects_velocity and system.core.projects_rates:
+        rest = within.last + -part * within.driven
+        whole, done = whole + rest, done + force / part * rest
+    # of schemes with accelerations forces at the end of a step are half of those along it
+    done = (0.5 if scheme.needs_acceleration else 1.0) * h * done
+    mean = after - whole.change + within.mean.change
+    return works(at, whole, after - 0.5 * whole.change), works(at, done, mean)
 
 
 def works(at: Actuated, turned: Turn, rates: Array) -> Array:
@@ -192,14 +253,6 @@ def _borne(at: Actuated, turned: Turn) -> Array:
         system.x[at.multipliers] = turned.impulses
         forces = system.residual(step) - rest
     return np.where(system.order == 2, forces + inertia(system, turned.change), 0.0)
-
-
-def _lacking(system: System, before: Before) -> float:
-    """What the books of a step across a kink lack, as forces jump within it; nothing where flows have their own."""
-    if before.energy is None or np.any(system.order == 1):
-        return 0.0
-    brought = np.array([a.category in BROUGHT for a in system.model.accounts])
-    return float(system.core.energy.sum()) - before.energy - float(system.core.work[brought].sum())
 
 
 def evaluate_ledger_again(system: System) -> None:
