@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 import visviva as vv
+from visviva.system.instant import Instant
 
 RAMP = [[0, 0], [1, 0], [2, 1], [3, 1]]
 INERTIA = 2.1
@@ -320,3 +321,18 @@ def test_drives_are_not_booked_what_a_scheme_dissipates_elsewhere(scheme: Any) -
     system = vv.System([*parts, ball, swing, tie])
     ledger = vv.simulate(system, until=0.3, step=0.01, scheme=scheme).ledger
     assert ledger.last("work_drive") == pytest.approx(1.5, abs=2e-2 if scheme.order == 1 else 1e-3)
+
+
+@pytest.mark.parametrize("at", [0.1, 0.1037])
+def test_rates_hold_behind_a_kink_where_they_do_at_every_step(at: float) -> None:
+    """`GeneralizedAlpha` beside a servo projects them: also in a step that ends behind a kink."""
+    system, _ = led([[0, 0], [at, 0], [at + 0.4, 0.4]], "servo")
+    ground, rotor = (
+        system.components[0],
+        vv.RigidBody(mass=1, inertia=(1, 2, 3), angular_velocity=(20, 20.0, 1)),
+    )
+    parts = deepcopy([*system.components, rotor, vv.Spherical(a=ground, b=rotor, at=(0, 0, 0))])
+    system = vv.System(parts)
+    vv.simulate(system, until=0.11 if at > 0.1 else 0.1, step=0.01, scheme=vv.GeneralizedAlpha(rho=0.5))
+    equations = Instant(system)
+    assert np.abs(equations.G @ system.v[equations.coordinates] + equations.drift()).max() < 1e-9

@@ -99,7 +99,7 @@ def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent
         return False
     system.follow_prescribed()
     within = None if scheme.solves_means else astray(at, step, before)
-    turned = turn(at, bent, system.v - rates)
+    turned = turn(at, bent, system.v - rates, scheme)
     system.v[at.coordinates] += turned.change[at.coordinates]
     system.invalidate()
     own = works(at, turned, system.v - 0.5 * turned.change)
@@ -123,7 +123,7 @@ def _reached(at: Actuated) -> set[int]:
     return {a for u, a in driving.working if u in multipliers} | {p.account for p in driving.prescribed}
 
 
-def turn(at: Actuated, bent: set[int], change: Array) -> Turn:
+def turn(at: Actuated, bent: set[int], change: Array, scheme: Scheme) -> Turn:
     """What turns at once where rates (n,) of prescribed unknowns do, and those of drives that have a kink.
 
     Others keep what the rates of their constraints are off by, as a step leaves them: that of rotors is no work of a
@@ -133,6 +133,8 @@ def turn(at: Actuated, bent: set[int], change: Array) -> Turn:
     drift = at.drift(np.zeros(len(at.system.model.driving.signals)), change)
     off = at.G @ at.system.v[at.coordinates] + at.drift()
     own = np.isin(at.multipliers, [u for u, a in at.system.model.driving.working if a in bent])
+    if scheme.needs_acceleration and at.system.projects(scheme):  # here, in the place of that of every step
+        own[:] = True
     drift[own] = off[own]
     return followed(at, change, drift)
 
