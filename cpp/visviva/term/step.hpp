@@ -27,9 +27,11 @@ struct Step {
     bool has_length() const { return h > no_length; }
     // Increments of positions make no velocities: in load steps, and at an instant, which has no increments.
     bool is_static() const { return motion[0][0] == 0; }
-    bool uses_history() const { return motion[1][2] != 0 || transport[0][2] != 0; }
+    // By accelerations or by rates at the end: generalised alpha with rho = 0 balances without accelerations.
+    bool motion_remembers() const { return motion[1][2] != 0 || motion[2][2] != 0; }
+    bool uses_history() const { return motion_remembers() || transport[0][2] != 0; }
     // Contents take the step without a history that motion has: a first one, see Scheme.first.
-    bool begins_transport() const { return motion[1][2] != 0 && transport[0][2] == 0; }
+    bool begins_transport() const { return motion_remembers() && transport[0][2] == 0; }
     // Backward Euler in contents, alone or as the first step of another scheme.
     bool goes_to_ends() const {
         return has_length() && stress == Stress::at_theta && theta == 1 && transport[0][0] != 0 &&

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visviva.base.differences import forward_curvature
+from visviva.base.timefunction import rounding
 from visviva.model.composition import Composition
 from visviva.model.form import Form, Vector
 
@@ -229,6 +230,8 @@ class Prescription:
         Where the work of what moves them is booked.
     supply : int
         See `Role.supply`.
+    kinks : tuple of float
+        When rates may jump.
     """
 
     component: Owner
@@ -237,8 +240,15 @@ class Prescription:
     rates: Callable[[float, float], Array]
     account: int
     supply: int
+    kinks: tuple[float, ...] = ()
 
     def acceleration(self, time: float, step: float) -> Array:
-        """Second derivatives (k,) of the values just after a time, by differences over parts of a step."""
+        """Second derivatives (k,) of the values just after a time, by differences over parts of a step.
+
+        Nothing where these would reach beyond a kink: what happens there happens at once.
+        """
+        near = rounding(time, step)
+        if any(near < kink - time < step + near for kink in self.kinks):
+            return np.zeros(len(self.unknowns))
         values: Array = forward_curvature(self.values, time, step)
         return values

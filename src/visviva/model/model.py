@@ -226,7 +226,9 @@ class Model:
         )
         unknowns = np.asarray(moved.start + k, dtype=np.int32)
         self.driving.prescribed.append(
-            Prescription(component, unknowns, values, rates, account, moved.role.supply)
+            Prescription(
+                component, unknowns, values, rates, account, moved.role.supply, kinks := tuple(kinks)
+            )
         )
         self.driving.bend(kinks, account)
 
