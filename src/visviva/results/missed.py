@@ -137,12 +137,8 @@ class Missed:
                 there, here = self._energies(time0, x0), self._energies(time1, x1)
                 missed = here - there
                 for near, of in self._steps:
-                    at = near * way
-                    at += x0
-                    after = self._energies(time0, at)
-                    at = near * way
-                    np.subtract(x1, at, out=at)
-                    before = self._energies(time1, at)
+                    after = self._energies(time0, x0 + near * way)
+                    before = self._energies(time1, x1 - near * way)
                     missed[of] -= (0.5 / near * (after - there + here - before))[of]
                 if system.model.driving.drives:
                     missed[n:] += self._drives(time0, x0, time1, x1)

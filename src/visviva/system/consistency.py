@@ -150,7 +150,7 @@ def contradiction(system: System) -> str:
 
 def project_velocities(system: System, at: Instant | None = None) -> Correction:
     """Make the velocities satisfy the constraints' time derivatives, changed as little as possible in kinetic
-    energy; by impulses of actuators where `at` is factored and has them.
+    energy; `at` is factored.
 
     Raises
     ------

@@ -103,7 +103,7 @@ def follow_kinks(system: System, step: Any, scheme: Scheme, before: Before, bent
     system.v[at.coordinates] += turned.change[at.coordinates]
     system.invalidate()
     own = works(at, turned, system.v - 0.5 * turned.change)
-    work, twice = works_at_kinks(at, turned, within, scheme, step.h)
+    work, twice = (own, 0.0 * own) if within is None else works_within(at, turned, within, scheme, step.h)
     if scheme.needs_acceleration:
         reached = turned.reached if within is None else turned.reached | within.mean.reached
         left = np.union1d(at.left, np.flatnonzero(~reached))
@@ -208,18 +208,14 @@ def astray(at: Actuated, step: Any, before: Before) -> Within | None:
     return Within(driven + moved, driven, led(lambda f: f.rate_after(t1, h) - f.rate_after(t0, h)))
 
 
-def works_at_kinks(
-    at: Actuated, turned: Turn, within: Within | None, scheme: Scheme, h: float
-) -> tuple[Array, Array]:
-    """Work of the impulses at kinks, and of them what multipliers have done within the step already; by account.
+def works_within(at: Actuated, turned: Turn, within: Within, scheme: Scheme, h: float) -> tuple[Array, Array]:
+    """Work of the impulses at kinks within a step, and of them what multipliers have done in it already; by account.
 
     The rates with which a step across a kink ends have turned by a part of what the scheme makes of its mean rates, and
     its forces are those of that. Where the core projects them, by drives they have turned whole, and by forces of that.
     """
     system, table = at.system, scheme.motion(h)
     after = system.v
-    if within is None:
-        return works(at, turned, after - 0.5 * turned.change), np.zeros(len(system.core.work))
     part, force = h * table[2][0], h * table[1][0]
     whole, done = turned + part * within.mean, force * within.mean
     if scheme.needs_acceleration and scheme.projects_velocity and system.core.projects_rates:
